@@ -1,0 +1,26 @@
+// Where the development data lie. They are not part of the repository: a test that needs them
+// skips by name when they are absent.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace planecast::test {
+
+/// Path of a file or folder of the development data, e.g. "depth_seq/aims_realsense/0.png".
+/// The folder is $PLANECAST_DATA, else ../shared/data beside the checkout; empty when it is absent.
+inline std::filesystem::path data_path(const std::string& relative) {
+  const char* env = std::getenv("PLANECAST_DATA");
+  const std::filesystem::path root =
+      env != nullptr ? std::filesystem::path(env)
+                     : std::filesystem::path(PLANECAST_SOURCE_DIR).parent_path() / "shared" / "data";
+  const std::filesystem::path full = root / relative;
+  return std::filesystem::exists(full) ? full : std::filesystem::path();
+}
+
+}  // namespace planecast::test
+
+#define PLANECAST_NEED_DATA(variable, relative)                        \
+  const std::filesystem::path variable = ::planecast::test::data_path(relative); \
+  if (variable.empty()) GTEST_SKIP() << "development data absent: " << (relative)

@@ -1,0 +1,59 @@
+# How a room (one folder of core/ or transport/) becomes a library, and its tests a program.
+# One library per room: a dependency that DESIGN's arrows do not allow fails to link.
+include(GNUInstallDirs)
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo)
+endif()
+
+# Warnings and numeric rules every target shares. Contraction is off everywhere: a fused
+# multiply-add would make regenerated coordinates differ between machines.
+add_library(planecast_flags INTERFACE)
+target_compile_options(planecast_flags INTERFACE
+  -ffp-contract=off
+  $<BUILD_INTERFACE:-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion>)
+target_include_directories(planecast_flags INTERFACE
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/planecast>)
+add_library(planecast::flags ALIAS planecast_flags)
+include(sanitizers OPTIONAL)
+
+set_property(GLOBAL PROPERTY PLANECAST_ROOMS planecast_flags)
+
+# planecast_room(NAME [DEPENDS room...] [PRIVATE_LIBS lib...] [PRIVATE_INCLUDES dir...])
+# Builds planecast_NAME from the .cpp files of the current folder; a room of headers only is INTERFACE.
+function(planecast_room NAME)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_LIBS" ${ARGN})
+  file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(TRANSFORM ARG_DEPENDS PREPEND planecast_)
+  if(SOURCES)
+    add_library(planecast_${NAME} STATIC ${SOURCES})
+    target_link_libraries(planecast_${NAME} PUBLIC planecast_flags ${ARG_DEPENDS}
+                          PRIVATE ${ARG_PRIVATE_LIBS})
+  else()
+    add_library(planecast_${NAME} INTERFACE)
+    target_link_libraries(planecast_${NAME} INTERFACE planecast_flags ${ARG_DEPENDS})
+  endif()
+  set_target_properties(planecast_${NAME} PROPERTIES EXPORT_NAME ${NAME})
+  add_library(planecast::${NAME} ALIAS planecast_${NAME})
+  set_property(GLOBAL APPEND PROPERTY PLANECAST_ROOMS planecast_${NAME})
+endfunction()
+
+# planecast_tests(NAME [DEPENDS room...] [LIBS lib...] [LABELS label...])
+# One GoogleTest program from the *_test.cpp files of the current folder.
+function(planecast_tests NAME)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;LIBS;LABELS" ${ARGN})
+  file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
+  if(NOT SOURCES)
+    return()
+  endif()
+  list(TRANSFORM ARG_DEPENDS PREPEND planecast_)
+  add_executable(${NAME}_test ${SOURCES})
+  target_link_libraries(${NAME}_test PRIVATE ${ARG_DEPENDS} ${ARG_LIBS} planecast_test_support GTest::gtest_main)
+  target_compile_definitions(${NAME}_test PRIVATE PLANECAST_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${NAME}_test TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60
+                       PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+endfunction()
