@@ -10,12 +10,25 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE RelWithDebInfo)
 endif()
 
+option(PLANECAST_WERROR "Warnings are errors (on in the presets, off for those who only build)" OFF)
+
+# ccache is used where it is installed and the user chose no launcher.
+if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+  find_program(PLANECAST_CCACHE ccache)
+  mark_as_advanced(PLANECAST_CCACHE)
+  if(PLANECAST_CCACHE)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${PLANECAST_CCACHE})
+    set(CMAKE_C_COMPILER_LAUNCHER ${PLANECAST_CCACHE})
+  endif()
+endif()
+
 # Warnings and numeric rules every target shares. Contraction is off everywhere: a fused
 # multiply-add would make regenerated coordinates differ between machines.
 add_library(planecast_flags INTERFACE)
 target_compile_options(planecast_flags INTERFACE
   -ffp-contract=off
-  $<BUILD_INTERFACE:-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion>)
+  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion>"
+  "$<BUILD_INTERFACE:$<$<BOOL:${PLANECAST_WERROR}>:-Werror>>")
 target_include_directories(planecast_flags INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/planecast>)
 add_library(planecast::flags ALIAS planecast_flags)
@@ -54,6 +67,11 @@ function(planecast_tests NAME)
   add_executable(${NAME}_test ${SOURCES})
   target_link_libraries(${NAME}_test PRIVATE ${ARG_DEPENDS} ${ARG_LIBS} planecast_test_support GTest::gtest_main)
   target_compile_definitions(${NAME}_test PRIVATE PLANECAST_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  set(properties TIMEOUT 600)
+  if(ARG_LABELS)
+    list(JOIN ARG_LABELS "\\;" labels)  # gtest_discover_tests splits an unescaped list
+    list(APPEND properties LABELS "${labels}")
+  endif()
   gtest_discover_tests(${NAME}_test TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+                       PROPERTIES ${properties})
 endfunction()

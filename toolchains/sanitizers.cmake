@@ -1,0 +1,32 @@
+# PLANECAST_SANITIZE=address|undefined|thread, or a list of those that go together
+# ("address;undefined"). The flags ride on planecast_flags, so every room, test and app gets them.
+set(PLANECAST_SANITIZE "" CACHE STRING "Sanitizers to build with: address, undefined, thread")
+set_property(CACHE PLANECAST_SANITIZE PROPERTY STRINGS "" address undefined "address;undefined" thread)
+
+# A build type of its own: optimised enough to be quick, small line tables for readable stacks,
+# asserts kept.
+set(CMAKE_CXX_FLAGS_SANITIZE "-O1 -g1 -fno-omit-frame-pointer" CACHE STRING "Flags of sanitizer builds")
+set(CMAKE_C_FLAGS_SANITIZE "-O1 -g1 -fno-omit-frame-pointer" CACHE STRING "Flags of sanitizer builds")
+mark_as_advanced(CMAKE_CXX_FLAGS_SANITIZE CMAKE_C_FLAGS_SANITIZE)
+
+if(NOT PLANECAST_SANITIZE)
+  return()
+endif()
+foreach(kind IN LISTS PLANECAST_SANITIZE)
+  if(NOT kind MATCHES "^(address|undefined|thread)$")
+    message(FATAL_ERROR "PLANECAST_SANITIZE=${PLANECAST_SANITIZE}: '${kind}' is not one of address, undefined, thread")
+  endif()
+endforeach()
+if("thread" IN_LIST PLANECAST_SANITIZE AND "address" IN_LIST PLANECAST_SANITIZE)
+  message(FATAL_ERROR "PLANECAST_SANITIZE: thread and address exclude each other; use two build folders")
+endif()
+
+string(REPLACE ";" "," sanitize_list "${PLANECAST_SANITIZE}")
+set(sanitize_flags -fsanitize=${sanitize_list})
+if("undefined" IN_LIST PLANECAST_SANITIZE)
+  list(APPEND sanitize_flags -fno-sanitize-recover=all)
+endif()
+target_compile_options(planecast_flags INTERFACE
+  "$<BUILD_INTERFACE:${sanitize_flags};-fno-omit-frame-pointer>")
+target_link_options(planecast_flags INTERFACE "$<BUILD_INTERFACE:${sanitize_flags}>")
+target_compile_definitions(planecast_flags INTERFACE $<BUILD_INTERFACE:PLANECAST_SANITIZED=1>)

@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that Planecast needs; packages that are there are left alone.
+# Asks nothing, prints what it does, may be run again at any time.
+set -euo pipefail
+
+usage() {
+  cat <<'TEXT'
+usage: toolchains/setup.sh [--bench] [--fuzz] [--print]
+  Installs what is missing of the packages that building and testing need (Debian 12).
+  --bench   also the codecs that the benchmarks compare with
+  --fuzz    also clang with libFuzzer
+  --print   only print the packages, one a line, and change nothing
+exit codes: 0 everything is there, 1 something could not be installed, 2 wrong usage
+TEXT
+}
+
+packages=(
+  # build
+  g++ cmake ninja-build pkg-config ca-certificates
+  # core
+  libeigen3-dev       # fits in the encoder, metrics
+  libnanoflann-dev    # nearest neighbours of the reference path and the metrics
+  libspng-dev         # 16-bit depth PNG in, pictures out
+  # transport
+  liblcm-dev          # the LCM library
+  liblcm-bin          # lcm-gen: the tests compare our packet code with its own
+  # apps
+  libcli11-dev        # command lines
+  libtomlplusplus-dev # planecastd's configuration file
+  libfmt-dev          # talk on standard error
+  nlohmann-json3-dev  # --json
+  # tests
+  libgtest-dev librapidcheck-dev
+  libbenchmark-dev    # bench/
+  python3-minimal     # tests/house
+  iproute2 util-linux # private network namespaces for LCM tests and apps/demo.sh (ip, unshare)
+)
+bench_packages=(libdraco-dev libbz2-dev libzstd-dev libcharls-dev libopenjp2-7-dev liblzma-dev libpng-dev)
+fuzz_packages=(clang libclang-rt-14-dev)
+
+print_only=no
+for argument in "$@"; do
+  case "$argument" in
+    --bench) packages+=("${bench_packages[@]}") ;;
+    --fuzz) packages+=("${fuzz_packages[@]}") ;;
+    --print) print_only=yes ;;
+    -h | --help) usage; exit 0 ;;
+    *) echo "setup.sh: unknown option '$argument'" >&2; usage >&2; exit 2 ;;
+  esac
+done
+
+if [ "$print_only" = yes ]; then
+  printf '%s\n' "${packages[@]}"
+  exit 0
+fi
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  echo "setup.sh: this is not a Debian system (no dpkg-query or apt-get); install by hand the like of:" >&2
+  echo "  ${packages[*]}" >&2
+  exit 1
+fi
+
+# dpkg-query says "ii" for what is installed and complete; anything else counts as missing.
+missing=()
+for package in "${packages[@]}"; do
+  state=$(dpkg-query -W -f '${db:Status-Abbrev}\n' "$package" 2>/dev/null || true)
+  case "$state" in
+    *ii*) ;;
+    *) missing+=("$package") ;;
+  esac
+done
+
+if [ ${#missing[@]} -eq 0 ]; then
+  echo "setup.sh: all ${#packages[@]} packages are installed"
+  exit 0
+fi
+
+install=(apt-get install -y --no-install-recommends "${missing[@]}")
+root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+    root=(sudo -n)
+  else
+    echo "setup.sh: ${#missing[@]} packages are missing and this user may not install them. Run:" >&2
+    echo "  sudo apt-get update && sudo ${install[*]}" >&2
+    exit 1
+  fi
+fi
+echo "setup.sh: installing ${missing[*]}"
+
+# apt-get through root when needed; never a question, and patient with another apt's lock.
+apt() {
+  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=120 \
+    -o APT::Get::Assume-Yes=true "$@" </dev/null
+}
+
+# The package lists are fetched only when they cannot serve the request as they are.
+if ! { apt-get install --simulate --no-install-recommends "${missing[@]}" >/dev/null 2>&1 &&
+       apt install --no-install-recommends "${missing[@]}"; }; then
+  echo "setup.sh: updating the package lists"
+  if ! apt update || ! apt install --no-install-recommends "${missing[@]}"; then
+    echo "setup.sh: apt could not install the packages; look at its messages above, then run:" >&2
+    echo "  sudo apt-get update && sudo ${install[*]}" >&2
+    exit 1
+  fi
+fi
+echo "setup.sh: installed ${#missing[@]} packages, ${#packages[@]} in all"
