@@ -1,0 +1,41 @@
+// Depth grids of float clouds: many "float" clouds are a 16-bit depth image times a unit. Where the
+// file proves it, bit for bit, the codec keeps the 16-bit counts and gives the same floats back.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/cloud/sensor_frame.hpp"
+
+namespace planecast {
+
+/// The grid: count k = 1..65535 stands for one float32.
+struct ZGrid {
+  enum class Rule : std::uint8_t {
+    kDoubleProduct = 0,  ///< float(k * unit), unit and product in double
+    kFloatProduct = 1,   ///< float(k) * float(unit), in float
+  };
+
+  std::uint64_t unit_pm = 0;  ///< [pm], 10^9 = 1 mm
+  Rule rule = Rule::kDoubleProduct;
+
+  friend bool operator==(const ZGrid&, const ZGrid&) = default;
+};
+
+/// The float32 z [m] of a count. IEEE double and float products only: the same on every machine.
+inline float grid_z(const ZGrid& grid, std::uint16_t count) noexcept {
+  const double unit = static_cast<double>(grid.unit_pm) / 1e12;
+  if (grid.rule == ZGrid::Rule::kFloatProduct) {
+    return static_cast<float>(count) * static_cast<float>(unit);
+  }
+  return static_cast<float>(count * unit);
+}
+
+/// The count whose grid_z is exactly z, or 0 when there is none (also for NaN, 0, negative z).
+std::uint16_t grid_count(const ZGrid& grid, float z) noexcept;
+
+/// The coarsest known grid on which every valid z of the cloud lies exactly, or nothing (also for a
+/// cloud without valid points). Tries 1, 0.5, 0.25, 0.2, 0.125 and 0.1 mm. Cold path; O(points).
+std::optional<ZGrid> find_z_grid(const PointCloud& cloud) noexcept;
+
+}  // namespace planecast
