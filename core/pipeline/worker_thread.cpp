@@ -1,0 +1,79 @@
+#include "core/pipeline/worker_thread.hpp"
+
+#include <sched.h>
+#include <signal.h>
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+
+namespace planecast {
+namespace {
+
+constexpr std::size_t kPageBytes = 4096;
+constexpr std::size_t kTouchedStackBytes = 256U << 10U;
+constexpr std::uint32_t kSpinNs = 20'000;
+
+// noinline: the array must lie on a frame of its own, below everything the thread does later.
+[[gnu::noinline]] void touch_stack() noexcept {
+  std::array<volatile char, kTouchedStackBytes> block;
+  for (std::size_t i = 0; i < block.size(); i += kPageBytes) block[i] = 0;
+}
+
+void set_name(const char* name) noexcept {
+  std::array<char, 16> cut{};  // the kernel's limit, NUL included
+  std::strncpy(cut.data(), name, cut.size() - 1);
+  pthread_setname_np(pthread_self(), cut.data());
+}
+
+bool set_fifo(int priority) noexcept {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
+}
+
+bool set_core(int index) noexcept {
+  cpu_set_t allowed;
+  if (sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return false;
+  int skip = index % CPU_COUNT(&allowed);
+  for (int core = 0; core < CPU_SETSIZE; ++core) {
+    if (!CPU_ISSET(core, &allowed) || skip-- > 0) continue;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(core, &one);
+    return pthread_setaffinity_np(pthread_self(), sizeof(one), &one) == 0;
+  }
+  return false;
+}
+
+}  // namespace
+
+int create_worker(pthread_t& thread, void* (*entry)(void*), void* argument) noexcept {
+  sigset_t blocked;
+  sigset_t before;
+  sigfillset(&blocked);
+  // A fault is delivered to the thread that made it; blocked, it would bypass a crash handler.
+  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS})
+    sigdelset(&blocked, fault);
+  pthread_sigmask(SIG_SETMASK, &blocked, &before);
+  const int error = pthread_create(&thread, nullptr, entry, argument);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return error;
+}
+
+ThreadRefusals prepare_worker(const ThreadWishes& wishes) noexcept {
+  ThreadRefusals refused;
+  set_name(wishes.name);
+  if (wishes.fifo_priority > 0) refused.fifo = !set_fifo(wishes.fifo_priority);
+  if (wishes.core >= 0) refused.affinity = !set_core(wishes.core);
+  touch_stack();
+  return refused;
+}
+
+std::uint32_t suitable_spin_ns(std::uint32_t threads) noexcept {
+  cpu_set_t allowed;
+  if (sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return 0;
+  return static_cast<std::uint32_t>(CPU_COUNT(&allowed)) > threads ? kSpinNs : 0;
+}
+
+}  // namespace planecast

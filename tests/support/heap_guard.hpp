@@ -1,0 +1,48 @@
+// Catches heap use and blocking calls on threads that must do neither. Linking the object library
+// planecast_heap_guard replaces malloc and friends and the blocking calls of the whole test
+// program; they count only on armed threads. Futex waits on an empty ring (std::atomic::wait) are
+// allowed. Calls that libc makes to itself (printf -> write) are not seen, those it makes to malloc
+// are.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace planecast::test {
+
+struct HeapGuardTotals {
+  std::uint64_t allocations = 0;  ///< malloc, calloc, realloc, memalign and friends, operator new
+  std::uint64_t frees = 0;        ///< free of a block, operator delete
+  std::uint64_t maps = 0;         ///< mmap, munmap, mremap, brk, sbrk, madvise
+  std::uint64_t blocks = 0;  ///< mutex that was taken, condition, sleep, poll, read, write, ...
+  std::uint64_t sum() const noexcept { return allocations + frees + maps + blocks; }
+};
+
+/// Static functions only: arm_this_thread fits StageRunner's on_thread_start hook.
+struct HeapGuard {
+  /// False under a sanitizer, which brings its own malloc: nothing is replaced and all counts stay
+  /// 0.
+  static bool available() noexcept;
+
+  /// Counts from here on for the calling thread; `name` (a constant) appears in the report.
+  static void arm_this_thread(const char* name) noexcept;
+  static void disarm_this_thread(const char* name = "") noexcept;
+
+  /// Sums over all armed threads since reset().
+  static HeapGuardTotals totals() noexcept;
+
+  /// Counts of the calling thread since it was armed.
+  static HeapGuardTotals this_thread() noexcept;
+
+  /// Clears totals and the first offender; while no armed thread misbehaves.
+  static void reset() noexcept;
+
+  /// Thread, call and backtrace of the first offence; empty when there was none.
+  static std::string first_offender();
+};
+
+}  // namespace planecast::test
+
+#define PLANECAST_NEED_HEAP_GUARD()               \
+  if (!::planecast::test::HeapGuard::available()) \
+  GTEST_SKIP() << "a sanitizer owns malloc in this build"
