@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <random>
 
+#include "core/base/bytes.hpp"
 #include "transport/envelope.hpp"
 #include "transport/lcm_link.hpp"
 #include "transport/lcm_url.hpp"
@@ -31,16 +33,20 @@ DoctorLine fail(std::string subject, std::string text, std::string mend) {
   return {DoctorLevel::kFail, std::move(subject), std::move(text), std::move(mend)};
 }
 
+/// The message that is awaited; others on the channel are not ours.
 struct Arrival {
+  std::uint32_t nonce = 0;
   std::int64_t ns = 0;
   bool right = false;
 };
 
 void note_arrival(void* user, std::span<const std::uint8_t> message) noexcept {
   auto* arrival = static_cast<Arrival*>(user);
-  arrival->ns = monotonic_ns();
   std::span<const std::uint8_t> packet;
-  arrival->right = decode_envelope(message, packet) == Status::kOk;
+  if (decode_envelope(message, packet) != Status::kOk || packet.size() != 4) return;
+  if (load_be<std::uint32_t>(packet.data()) != arrival->nonce) return;
+  arrival->ns = monotonic_ns();
+  arrival->right = true;
 }
 
 DoctorLine check_round_trip(const LcmUrl& url) {
@@ -52,18 +58,20 @@ DoctorLine check_round_trip(const LcmUrl& url) {
   Result<std::shared_ptr<LcmLink>> link = LcmLink::open(quiet, true);
   if (!link) return fail(subject, link.error().message, mend);
   Arrival arrival;
-  const std::string channel = "PLANECAST_DOCTOR_" + std::to_string(::getpid()) + "_" +
-                              std::to_string(std::random_device()());
-  const Result<Done> subscribed = link.value()->subscribe(channel, note_arrival, &arrival, 4);
+  const Result<Done> subscribed =
+      link.value()->subscribe(kWarmUpChannel, note_arrival, &arrival, 100);
   if (!subscribed) return fail(subject, subscribed.error().message, mend);
-  std::uint8_t message[kEnvelopeOverheadBytes];
-  write_envelope_header(0, message);
   // The first message makes the channel known; the second is timed.
   std::int64_t sent_ns = 0;
   for (int i = 0; i < 2; ++i) {
-    arrival = {};
+    arrival = {std::random_device()(), 0, false};
+    std::array<std::uint8_t, 4> packet{};
+    store_be(packet.data(), arrival.nonce);
+    std::array<std::uint8_t, kEnvelopeOverheadBytes + 4> message{};
+    std::size_t size = 0;
+    (void)encode_envelope(packet, message, size);
     sent_ns = monotonic_ns();
-    if (link.value()->publish(channel.c_str(), message) != Status::kOk)
+    if (link.value()->publish(kWarmUpChannel, message) != Status::kOk)
       return fail(subject, "the kernel refuses to send to the group", mend);
     while (!arrival.right && monotonic_ns() - sent_ns < kRoundTripLimitNs)
       (void)link.value()->handle(50);

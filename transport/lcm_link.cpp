@@ -2,12 +2,11 @@
 
 #include <lcm/lcm.h>
 #include <sys/select.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <deque>
-#include <random>
 #include <thread>
 #include <vector>
 
@@ -66,6 +65,12 @@ std::string escaped(std::string_view channel) {
   return text;
 }
 
+std::array<std::uint8_t, kEnvelopeOverheadBytes> greeting() noexcept {
+  std::array<std::uint8_t, kEnvelopeOverheadBytes> message{};
+  write_envelope_header(0, message);
+  return message;
+}
+
 void count_message(void* user, std::span<const std::uint8_t> /*message*/) noexcept {
   ++*static_cast<int*>(user);
 }
@@ -107,7 +112,10 @@ Result<std::shared_ptr<LcmLink>> LcmLink::open(const LcmUrl& url, bool for_recei
   impl->lcm = lcm_create(text.c_str());
   if (impl->lcm == nullptr)
     return {Status::kNetwork, "liblcm cannot open " + text + "; 'planecast doctor' looks closer"};
-  return std::shared_ptr<LcmLink>(new LcmLink(std::move(impl)));
+  std::shared_ptr<LcmLink> link(new LcmLink(std::move(impl)));
+  // liblcm makes its sending lock at the first message.
+  if (!url.memory) (void)link->publish(kWarmUpChannel, greeting());
+  return link;
 }
 
 Status LcmLink::publish(const char* channel, std::span<const std::uint8_t> message) noexcept {
@@ -141,17 +149,14 @@ Result<Done> LcmLink::warm_up(std::string_view channel, int queue, std::size_t m
   quiet.ttl = 0;
   Result<std::shared_ptr<LcmLink>> sender = open(quiet, false);
   if (!sender) return sender.error();
-  const std::string own = "PLANECAST_WARMUP_" + std::to_string(::getpid()) + "_" +
-                          std::to_string(std::random_device()());
   int received = 0;
   Binding binding{count_message, &received};
-  lcm_subscription_t* subscription = lcm_subscribe(impl_->lcm, own.c_str(), on_message, &binding);
+  lcm_subscription_t* subscription =
+      lcm_subscribe(impl_->lcm, kWarmUpChannel, on_message, &binding);
   if (subscription == nullptr) return {Status::kNetwork, "liblcm refuses a second subscription"};
   lcm_subscription_set_queue_capacity(subscription, queue);
 
-  std::uint8_t greeting[kEnvelopeOverheadBytes];
-  write_envelope_header(0, greeting);
-  (void)sender.value()->publish(std::string(channel).c_str(), greeting);
+  (void)sender.value()->publish(std::string(channel).c_str(), greeting());
   const WarmUpBurst burst = warm_up_burst(queue, message_bytes);
   const std::vector<std::uint8_t> filler(burst.bytes);
   const std::int64_t limit_ns = monotonic_ns() + kWarmUpLimitNs;
@@ -159,10 +164,11 @@ Result<Done> LcmLink::warm_up(std::string_view channel, int queue, std::size_t m
   for (int before = 0; received - before < burst.messages && monotonic_ns() < limit_ns;) {
     before = received;
     for (int i = 0; i < burst.messages; ++i) {
-      (void)sender.value()->publish(own.c_str(), filler);
+      (void)sender.value()->publish(kWarmUpChannel, filler);
       if (i % 2 == 1) std::this_thread::sleep_for(kWarmUpPause);
     }
-    while (handle(20) > 0) {
+    // The stream itself may be running already, so the link need never fall silent.
+    while (received - before < burst.messages && monotonic_ns() < limit_ns && handle(20) > 0) {
     }
   }
   lcm_unsubscribe(impl_->lcm, subscription);

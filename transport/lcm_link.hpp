@@ -17,6 +17,10 @@ namespace planecast {
 /// Longest channel name liblcm carries.
 inline constexpr std::size_t kMaxChannelBytes = 63;
 
+/// Channel of the messages that only prepare or examine. One name for all: every new name on the
+/// network costs each liblcm that hears it an allocation.
+inline constexpr const char* kWarmUpChannel = "PLANECAST_WARMUP";
+
 /// Largest message that travels as one datagram on a channel of this name; a larger one is
 /// fragmented by liblcm and lost whole with any fragment.
 constexpr std::size_t max_datagram_message_bytes(std::string_view channel) noexcept {
@@ -32,7 +36,8 @@ class LcmLink {
   /// whose size liblcm reports wrongly arrives empty.
   using Handler = void (*)(void* user, std::span<const std::uint8_t> message) noexcept;
 
-  /// Opens `url`. Over memq:// sender and receiver must share one link. kNetwork.
+  /// Opens `url` and sends one greeting on kWarmUpChannel, so that no later publish() allocates.
+  /// Over memq:// sender and receiver must share one link. kNetwork.
   static Result<std::shared_ptr<LcmLink>> open(const LcmUrl& url, bool for_receiving);
 
   ~LcmLink();
@@ -52,7 +57,7 @@ class LcmLink {
 
   /// Makes liblcm reach the memory it needs for `queue` unhandled messages of `message_bytes`
   /// before the real traffic starts, and proves that messages sent to the group come back: a burst
-  /// of about that many bytes on a channel of its own and a greeting on `channel`, all with ttl 0.
+  /// of about that many bytes on kWarmUpChannel and a greeting on `channel`, all with ttl 0.
   /// Before the handling thread starts. kNetwork when nothing comes back within two seconds.
   Result<Done> warm_up(std::string_view channel, int queue, std::size_t message_bytes);
 

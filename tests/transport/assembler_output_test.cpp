@@ -167,6 +167,22 @@ TEST(AssemblerOutput, WaitEndsByAFrameByInterruptAndByTime) {
   EXPECT_EQ(frame->frame, 3U);
 }
 
+TEST(AssemblerOutput, ADeadlineWakesTheConsumer) {
+  AssemblerBench bench;
+  bench.slice(3, 0);
+  std::atomic<bool> woken{false};
+  std::thread consumer([&] {
+    if (bench.assembler->wait(60'000 * kMs)) woken.store(true);
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  bench.advance(small_assembler().deadline_ns);
+  for (int i = 0; i < 10'000 && !woken.load(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_TRUE(woken.load());
+  bench.assembler->interrupt();
+  consumer.join();
+}
+
 // The same threads as in the receiver, without LCM in between: ThreadSanitizer sees all of it.
 TEST(AssemblerOutput, ReceivingConsumingAndWatchingThreadsShareNothingUnguarded) {
   AssemblerConfig config = small_assembler();

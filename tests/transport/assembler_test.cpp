@@ -164,6 +164,14 @@ TEST(Assembler, JoiningMidStreamLosesNothing) {
   EXPECT_EQ(bench.take_numbers(), Numbers{123'456});
 }
 
+TEST(Assembler, JoiningMidStreamTakesReorderedSlicesOfTheFrameBefore) {
+  AssemblerBench bench;
+  bench.slice(50, 0);
+  for (std::uint16_t i = 0; i < 4; ++i) bench.slice(49, i);
+  EXPECT_EQ(bench.take_numbers(), Numbers{49});
+  EXPECT_EQ(bench.stream().slices_late, 0U);
+}
+
 TEST(Assembler, FrameNumbersWrap) {
   AssemblerBench bench;
   for (std::uint32_t number = 0xFFFFFFFDU; number != 3; ++number) bench.frame(number);
