@@ -173,6 +173,7 @@ TEST(HeapGuard, CatchesAWaitOnAConditionThatAnotherThreadSignals) {
   std::mutex mutex;
   std::condition_variable condition;
   bool ready = false;
+  HeapGuard::reset();  // before the signaller looks for the first wait
   std::thread signaller([&] {
     while (HeapGuard::totals().blocks == 0) std::this_thread::yield();
     const std::scoped_lock lock(mutex);

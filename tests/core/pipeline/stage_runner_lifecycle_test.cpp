@@ -91,7 +91,31 @@ TEST(StageRunnerLifecycle, StopWhileFullEndsWithoutTheConsumerAndKeepsTheFrames)
     std::uint32_t handle = 0;
     EXPECT_FALSE(chain.runner.pop_done(handle));
     expect_balance(chain.runner.totals());
+
+    ASSERT_TRUE(chain.runner.start().ok());  // a discard ends with the stop that asked for it
+    ASSERT_TRUE(chain.offer(9));
+    ASSERT_TRUE(chain.runner.pop_done(handle));
+    EXPECT_EQ(chain.take(handle).status, Status::kOk);
   }
+}
+
+TEST(StageRunnerLifecycle, StopWaitsForASubmitThatIsUnderWay) {
+  FakeChain chain(config_of(RunMode::kInline));
+  std::atomic<bool> inside{false};
+  std::atomic<bool> finished{false};
+  chain.stages[3].extra = [&] {
+    inside.store(true);
+    while (chain.runner.running()) std::this_thread::yield();
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();
+    finished.store(true);
+  };
+  ASSERT_TRUE(chain.runner.start().ok());
+  std::thread source([&] { EXPECT_TRUE(chain.offer(0)); });
+  while (!inside.load()) std::this_thread::yield();
+  chain.runner.stop();
+  EXPECT_TRUE(finished.load());
+  EXPECT_EQ(chain.take_all().size(), 1U);
+  source.join();
 }
 
 TEST(StageRunnerLifecycle, RestartsAfterStopWithoutLeakingThreadsOrFrames) {

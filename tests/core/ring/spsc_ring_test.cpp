@@ -164,7 +164,7 @@ TEST(SpscRing, NarrowRingKeepsTheOrder) {
 // Each handle is answered before the next is sent, so every hand-off meets a consumer that is about
 // to sleep: a lost wake-up would hang here.
 TEST(SpscRing, PingPongLosesNoWakeUp) {
-  constexpr std::uint32_t kRounds = 100'000;
+  constexpr std::uint32_t kRounds = 20'000;
   Ring there(2);
   Ring back(2);
   std::thread echo([&] {
@@ -198,6 +198,38 @@ TEST(SpscRing, CloseEndsAWaitWheneverItComes) {
     ring->close();
     consumer.join();
   }
+}
+
+// Push and close strike at a random moment of the consumer's way into its wait.
+TEST(SpscRing, HandlePushedJustBeforeCloseIsDelivered) {
+  constexpr std::uint32_t kRounds = 10'000;
+  Ring ring(4);
+  std::atomic<std::uint32_t> begun{0};
+  std::atomic<std::uint32_t> ended{0};
+  std::uint32_t delivered = 0;
+  std::uint32_t closed = 0;
+  std::thread consumer([&] {
+    for (std::uint32_t round = 1; round <= kRounds; ++round) {
+      while (begun.load() != round) std::this_thread::yield();
+      std::uint32_t handle = 0;
+      if (ring->pop_wait(handle)) ++delivered;
+      if (!ring->try_pop(handle) && !ring->pop_wait(handle)) ++closed;
+      ended.store(round);
+    }
+  });
+  Pcg32 random(11);
+  for (std::uint32_t round = 1; round <= kRounds; ++round) {
+    begun.store(round);
+    volatile std::uint32_t delay = random.below(200);
+    while (delay > 0) delay = delay - 1;
+    EXPECT_TRUE(ring->try_push(round));
+    ring->close();
+    while (ended.load() != round) std::this_thread::yield();
+    ring->reopen();
+  }
+  consumer.join();
+  EXPECT_EQ(delivered, kRounds);
+  EXPECT_EQ(closed, kRounds);
 }
 
 TEST(SpscRing, ClosedRingStillDeliversWhatWasPushed) {
