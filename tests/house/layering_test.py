@@ -22,7 +22,7 @@ ARROWS = {
     "model": "base cloud sensor",
     "fit": "base cloud sensor model",
     "hull": "base cloud model",
-    "predict": "base model",
+    "predict": "base cloud sensor model",
     "wire": "base cloud sensor model predict",
     "regen": "base cloud sensor model predict",
     "metrics": "base cloud search",
