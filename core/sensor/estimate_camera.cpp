@@ -1,6 +1,7 @@
 #include "core/sensor/estimate_camera.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -15,9 +16,13 @@ using Eigen::Vector3d;
 constexpr std::size_t kMinPoints = 16;
 // A float32 coordinate at 50 m is exact to 2 um: a fit this good cannot be bettered by turning.
 constexpr double kTinyResidual_m = 5e-6;
+// A point agrees with a fit when it misses by at most this many medians (or the tiny residual).
+constexpr double kInlierMedians = 5;
 // A richer model must be this much better before it is believed.
 constexpr double kWorthwhile = 0.5;
-constexpr int kRefinements = 12;
+constexpr int kRefinements = 30;
+// Fits use about this many points, spread evenly; the report uses all of them.
+constexpr std::size_t kFitPoints = 30'000;
 
 struct Sample {
   double u, v;
@@ -31,21 +36,22 @@ struct Fit {
   Vector3d translation = Vector3d::Zero();
 };
 
-struct Residuals {
-  double max_m = 0, rms_m = 0, max_px = 0, rms_px = 0;
-};
-
+// Points that have a reading; some recorders write holes as the origin.
 std::vector<Sample> valid_samples(const PointCloud& cloud) {
   std::vector<Sample> samples;
   samples.reserve(cloud.points.size());
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const Point3f& p = cloud.points[i];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
-    if (p.x == 0 && p.y == 0 && p.z == 0) continue;  // some recorders write holes as the origin
+    if (p.x == 0 && p.y == 0 && p.z == 0) continue;
     samples.push_back({static_cast<double>(i % cloud.width), static_cast<double>(i / cloud.width),
                        Vector3d(p.x, p.y, p.z)});
   }
   return samples;
+}
+
+double inlier_limit(double median) {
+  return std::max(kTinyResidual_m, kInlierMedians * median);
 }
 
 bool usable(const Fit& fit) {
@@ -54,28 +60,29 @@ bool usable(const Fit& fit) {
          fit.translation.allFinite();
 }
 
-// A point behind the camera has no pixel: such a fit is worthless.
-std::optional<Residuals> measure(const Fit& fit, const std::vector<Sample>& samples) {
-  Residuals out;
-  double sum_m = 0;
-  double sum_px = 0;
-  const Matrix3d to_optical = fit.rotation.transpose();
-  for (const Sample& s : samples) {
-    const Vector3d q = to_optical * (s.p - fit.translation);
-    if (!(q.z() > 0)) return std::nullopt;
-    const double ex = q.x() / q.z() - (fit.ax * s.u + fit.bx);
-    const double ey = q.y() / q.z() - (fit.ay * s.v + fit.by);
-    const double metres = q.z() * std::hypot(ex, ey);
-    const double pixels = std::hypot(ex / fit.ax, ey / fit.ay);
-    out.max_m = std::max(out.max_m, metres);
-    out.max_px = std::max(out.max_px, pixels);
-    sum_m += metres * metres;
-    sum_px += pixels * pixels;
-  }
-  const auto count = static_cast<double>(samples.size());
-  out.rms_m = std::sqrt(sum_m / count);
-  out.rms_px = std::sqrt(sum_px / count);
-  return out;
+struct Miss {
+  double metres, pixels;
+};
+
+// How far a point lies from its pixel's ray at its own z. Behind the camera there is no pixel: the
+// whole distance counts.
+Miss miss_of(const Fit& fit, const Sample& s) {
+  const Vector3d q = fit.rotation.transpose() * (s.p - fit.translation);
+  if (!(q.z() > 0)) return {q.norm(), 0};
+  const double ex = q.x() / q.z() - (fit.ax * s.u + fit.bx);
+  const double ey = q.y() / q.z() - (fit.ay * s.v + fit.by);
+  return {q.z() * std::hypot(ex, ey), std::hypot(ex / fit.ax, ey / fit.ay)};
+}
+
+// Distances of all samples [m], and the one that half of them stay below.
+double median_miss(const Fit& fit, const std::vector<Sample>& samples,
+                   std::vector<double>& misses) {
+  misses.clear();
+  for (const Sample& s : samples) misses.push_back(miss_of(fit, s).metres);
+  std::vector<double> sorted = misses;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
 }
 
 // Least squares of value ~ z (a pixel + b); false when the pixels do not vary.
@@ -110,8 +117,7 @@ std::optional<Fit> fit_pinhole(const std::vector<Sample>& samples) {
 // Splits a 3x3 that maps cloud directions to (skewed) pixels, K * R^T times any factor, into an
 // upper triangular K with positive diagonal and an orthogonal R (RQ decomposition).
 std::optional<Fit> split_projection(const Matrix3d& projection) {
-  Matrix3d flip = Matrix3d::Zero();
-  flip(0, 2) = flip(1, 1) = flip(2, 0) = 1;
+  const Matrix3d flip = Matrix3d::Identity().rowwise().reverse();
   const Eigen::HouseholderQR<Matrix3d> qr((flip * projection).transpose());
   const Matrix3d q = qr.householderQ();
   const Matrix3d r = qr.matrixQR().triangularView<Eigen::Upper>();
@@ -164,19 +170,15 @@ Eigen::Matrix<double, 3, Columns> direct_linear(const std::vector<Sample>& sampl
   return projection;
 }
 
-double pixel_scale(const PointCloud& cloud) {
-  return 0.5 * std::max(cloud.width, cloud.height);
-}
-
-std::optional<Fit> guess_rotated(const PointCloud& cloud, const std::vector<Sample>& samples) {
-  Matrix3d projection = direct_linear<3>(samples, pixel_scale(cloud), Vector3d::Zero(), 1.0);
+std::optional<Fit> guess_rotated(double scale_px, const std::vector<Sample>& samples) {
+  Matrix3d projection = direct_linear<3>(samples, scale_px, Vector3d::Zero(), 1.0);
   double side = 0;  // the sign that puts the points in front of the camera
   for (const Sample& s : samples) side += projection.row(2).dot(s.p) > 0 ? 1 : -1;
   if (side < 0) projection = -projection;
   return split_projection(projection);
 }
 
-std::optional<Fit> guess_moved(const PointCloud& cloud, const std::vector<Sample>& samples) {
+std::optional<Fit> guess_moved(double scale_px, const std::vector<Sample>& samples) {
   Vector3d centre = Vector3d::Zero();
   for (const Sample& s : samples) centre += s.p;
   centre /= static_cast<double>(samples.size());
@@ -184,8 +186,7 @@ std::optional<Fit> guess_moved(const PointCloud& cloud, const std::vector<Sample
   for (const Sample& s : samples) spread += (s.p - centre).squaredNorm();
   spread = std::sqrt(spread / static_cast<double>(samples.size()));
   if (!(spread > 0)) return std::nullopt;
-  Eigen::Matrix<double, 3, 4> projection =
-      direct_linear<4>(samples, pixel_scale(cloud), centre, spread);
+  Eigen::Matrix<double, 3, 4> projection = direct_linear<4>(samples, scale_px, centre, spread);
   double side = 0;
   for (const Sample& s : samples) {
     const Vector3d h = (s.p - centre) / spread;
@@ -206,74 +207,99 @@ Matrix3d cross_matrix(const Vector3d& w) {
 }
 
 Matrix3d rotation_of(const Vector3d& w) {
-  const double angle = w.norm();
-  if (angle < 1e-300) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
+  return Eigen::AngleAxisd(w.norm(), w.stableNormalized()).toRotationMatrix();
 }
 
-// One Gauss-Newton step on the lateral distances at each point's own z. Unknowns: ax, bx, ay, by, a
-// small turn and, when `moved`, a shift.
-bool refine_once(Fit& fit, const std::vector<Sample>& samples, bool moved) {
+// One Gauss-Newton step on the lateral distances, at each point's own z, of the samples that miss
+// by at most `limit`. Unknowns, of which the first 4, 7 or 10 are free: ax, bx, ay, by, turn,
+// shift.
+bool step(Fit& fit, const std::vector<Sample>& samples, const std::vector<double>& misses,
+          double limit, int unknowns) {
   using Vector10 = Eigen::Matrix<double, 10, 1>;
   Eigen::Matrix<double, 10, 10> normal;
   normal.setZero();
   Vector10 gradient = Vector10::Zero();
   const Matrix3d to_optical = fit.rotation.transpose();
-  for (const Sample& s : samples) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (misses[i] > limit) continue;
+    const Sample& s = samples[i];
     const Vector3d q = to_optical * (s.p - fit.translation);
     const Matrix3d turn = cross_matrix(q);  // dq / dw for rotation * exp(w)
     const double slope[2] = {fit.ax * s.u + fit.bx, fit.ay * s.v + fit.by};
     for (int axis = 0; axis < 2; ++axis) {
-      const double error = q[axis] - q.z() * slope[axis];
       Vector10 row = Vector10::Zero();
       row[2 * axis] = -q.z() * (axis == 0 ? s.u : s.v);
       row[2 * axis + 1] = -q.z();
       row.segment<3>(4) = (turn.row(axis) - slope[axis] * turn.row(2)).transpose();
       row.segment<3>(7) = -(to_optical.row(axis) - slope[axis] * to_optical.row(2)).transpose();
       normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
-      gradient += error * row;
+      gradient += (q[axis] - q.z() * slope[axis]) * row;
     }
   }
-  const int unknowns = moved ? 10 : 7;
   normal = normal.selfadjointView<Eigen::Lower>();
   // Scaled to a unit diagonal, so that metres, radians and slopes per pixel weigh alike.
   const Vector10 scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled =
       (scale.asDiagonal() * normal * scale.asDiagonal()).topLeftCorner(unknowns, unknowns);
   const Eigen::VectorXd right = -(scale.asDiagonal() * gradient).head(unknowns);
-  Vector10 step = Vector10::Zero();
-  step.head(unknowns) = scale.head(unknowns).asDiagonal() * scaled.ldlt().solve(right);
-  if (!step.allFinite()) return false;
-  Fit next = fit;
-  next.ax += step[0];
-  next.bx += step[1];
-  next.ay += step[2];
-  next.by += step[3];
-  next.rotation = fit.rotation * rotation_of(step.segment<3>(4));
-  next.translation += step.segment<3>(7);
-  if (!usable(next)) return false;
-  fit = next;
-  return true;
+  Vector10 change = Vector10::Zero();
+  change.head(unknowns) = scale.head(unknowns).asDiagonal() * scaled.ldlt().solve(right);
+  fit.ax += change[0];
+  fit.bx += change[1];
+  fit.ay += change[2];
+  fit.by += change[3];
+  fit.rotation = fit.rotation * rotation_of(change.segment<3>(4));
+  fit.translation += change.segment<3>(7);
+  return usable(fit);
 }
 
-// Refines while the residual falls; returns it, or nothing when points lie behind the camera.
-std::optional<Residuals> refine(Fit& fit, const std::vector<Sample>& samples, bool moved) {
-  std::optional<Residuals> best = measure(fit, samples);
+// Least trimmed squares: each step fits the better half of the points, so that pixels whose points
+// are not on their ray (some drivers fill holes so) do not pull. A last step takes all that agree.
+// Returns the median distance.
+double refine(Fit& fit, const std::vector<Sample>& samples, int unknowns) {
+  std::vector<double> misses;
+  double median = median_miss(fit, samples, misses);
   for (int i = 0; i < kRefinements; ++i) {
     Fit next = fit;
-    if (!refine_once(next, samples, moved)) break;
-    const std::optional<Residuals> now = measure(next, samples);
-    if (!now || (best && now->rms_m >= best->rms_m)) break;
-    const bool settled = best && now->rms_m > 0.999 * best->rms_m;
+    if (!step(next, samples, misses, median, unknowns)) break;
+    std::vector<double> next_misses;
+    const double next_median = median_miss(next, samples, next_misses);
+    if (!(next_median < median)) break;
     fit = next;
-    best = now;
-    if (settled) break;
+    misses.swap(next_misses);
+    median = next_median;
   }
-  return best;
+  Fit next = fit;
+  if (step(next, samples, misses, inlier_limit(median), unknowns)) {
+    const double next_median = median_miss(next, samples, misses);
+    if (next_median < 1.1 * median) {
+      fit = next;
+      return next_median;
+    }
+  }
+  return median;
 }
 
-EstimatedCamera report(const Fit& fit, const Residuals& residuals, EstimatedCamera::Model model,
-                       std::size_t points) {
+void measure(const Fit& fit, const std::vector<Sample>& samples, double median,
+             EstimatedCamera& out) {
+  double sum_m = 0;
+  double sum_px = 0;
+  for (const Sample& s : samples) {
+    const Miss miss = miss_of(fit, s);
+    out.max_residual_m = std::max(out.max_residual_m, miss.metres);
+    out.max_residual_px = std::max(out.max_residual_px, miss.pixels);
+    sum_m += miss.metres * miss.metres;
+    sum_px += miss.pixels * miss.pixels;
+    if (miss.metres > inlier_limit(median)) continue;
+    ++out.inliers;
+    out.inlier_max_residual_m = std::max(out.inlier_max_residual_m, miss.metres);
+  }
+  out.points = samples.size();
+  out.rms_residual_m = std::sqrt(sum_m / static_cast<double>(samples.size()));
+  out.rms_residual_px = std::sqrt(sum_px / static_cast<double>(samples.size()));
+}
+
+EstimatedCamera to_camera(const Fit& fit, EstimatedCamera::Model model) {
   EstimatedCamera out;
   out.intrinsics.fx = 1 / fit.ax;
   out.intrinsics.fy = 1 / fit.ay;
@@ -283,14 +309,9 @@ EstimatedCamera report(const Fit& fit, const Residuals& residuals, EstimatedCame
   out.mirror_y = rotation.determinant() < 0;
   if (out.mirror_y) rotation.col(1) *= -1;
   const Eigen::Quaterniond q = Eigen::Quaterniond(rotation).normalized();
-  out.cloud_from_optical = {
-      q.w(), q.x(), q.y(), q.z(), fit.translation.x(), fit.translation.y(), fit.translation.z()};
+  const Vector3d& t = fit.translation;
+  out.cloud_from_optical = {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()};
   out.model = model;
-  out.points = points;
-  out.max_residual_m = residuals.max_m;
-  out.rms_residual_m = residuals.rms_m;
-  out.max_residual_px = residuals.max_px;
-  out.rms_residual_px = residuals.rms_px;
   return out;
 }
 
@@ -301,21 +322,37 @@ class Choice {
 
   void offer(std::optional<Fit> fit, EstimatedCamera::Model model) {
     if (!fit) return;
-    const std::optional<Residuals> residuals =
-        model == EstimatedCamera::Model::kPinhole
-            ? measure(*fit, samples_)
-            : refine(*fit, samples_, model == EstimatedCamera::Model::kMoved);
-    if (!residuals || (best_ && residuals->rms_m > kWorthwhile * best_->rms_residual_m)) return;
-    best_ = report(*fit, *residuals, model, samples_.size());
+    const int unknowns = 4 + 3 * static_cast<int>(model);
+    const double median = refine(*fit, samples_, unknowns);
+    if (best_ && !(median < kWorthwhile * median_)) return;
+    best_ = *fit;
+    model_ = model;
+    median_ = median;
   }
 
-  bool settled() const { return best_ && best_->max_residual_m <= kTinyResidual_m; }
-  const std::optional<EstimatedCamera>& best() const { return best_; }
+  bool settled() const { return best_ && median_ <= kTinyResidual_m; }
+
+  std::optional<EstimatedCamera> report(const std::vector<Sample>& all) const {
+    if (!best_) return std::nullopt;
+    EstimatedCamera out = to_camera(*best_, model_);
+    measure(*best_, all, median_, out);
+    return out;
+  }
 
  private:
   const std::vector<Sample>& samples_;
-  std::optional<EstimatedCamera> best_;
+  std::optional<Fit> best_;
+  EstimatedCamera::Model model_ = EstimatedCamera::Model::kPinhole;
+  double median_ = 0;
 };
+
+// Every n-th point; n is odd so that even image widths do not leave columns out.
+std::vector<Sample> thinned(const std::vector<Sample>& all) {
+  const std::size_t stride = (all.size() / kFitPoints) | 1U;
+  std::vector<Sample> some;
+  for (std::size_t i = 0; i < all.size(); i += stride) some.push_back(all[i]);
+  return some;
+}
 
 Error cannot(const std::string& why) {
   return {Status::kBadConfig,
@@ -326,13 +363,14 @@ Error cannot(const std::string& why) {
 
 std::string EstimatedCamera::describe() const {
   const char* kinds[] = {"in optical axes", "turned", "turned and shifted"};
-  char text[256];
+  char text[320];
   std::snprintf(text, sizeof text,
-                "camera estimated from %llu points: f %.3f,%.3f centre %.3f,%.3f, cloud %s%s, "
-                "residual max %.3g m (%.3g px), rms %.3g m",
+                "camera estimated from %llu points: f %.3f,%.3f centre %.3f,%.3f, cloud %s%s; "
+                "%llu points agree within %.3g m, all within %.3g m (rms %.3g m)",
                 static_cast<unsigned long long>(points), intrinsics.fx, intrinsics.fy,
                 intrinsics.cx, intrinsics.cy, kinds[static_cast<int>(model)],
-                mirror_y ? ", y mirrored" : "", max_residual_m, max_residual_px, rms_residual_m);
+                mirror_y ? ", y mirrored" : "", static_cast<unsigned long long>(inliers),
+                inlier_max_residual_m, max_residual_m, rms_residual_m);
   return text;
 }
 
@@ -341,17 +379,23 @@ Result<EstimatedCamera> estimate_camera(const PointCloud& cloud) {
       cloud.points.size() != std::size_t{cloud.width} * cloud.height) {
     return cannot("the cloud has no grid of at least 2 x 2 pixels");
   }
-  const std::vector<Sample> samples = valid_samples(cloud);
-  if (samples.size() < kMinPoints) {
-    return cannot("only " + std::to_string(samples.size()) + " valid points");
-  }
+  const std::vector<Sample> all = valid_samples(cloud);
+  if (all.size() < kMinPoints)
+    return cannot("only " + std::to_string(all.size()) + " valid points");
+  const auto in_line = [&](double Sample::*pixel) {
+    return std::all_of(all.begin(), all.end(),
+                       [&](const Sample& s) { return s.*pixel == all[0].*pixel; });
+  };
+  if (in_line(&Sample::u) || in_line(&Sample::v)) return cannot("all points lie in one line");
   using Model = EstimatedCamera::Model;
-  Choice choice(samples);
-  choice.offer(fit_pinhole(samples), Model::kPinhole);
-  if (!choice.settled()) choice.offer(guess_rotated(cloud, samples), Model::kRotated);
-  if (!choice.settled()) choice.offer(guess_moved(cloud, samples), Model::kMoved);
-  if (!choice.best()) return cannot("no pinhole camera explains the points");
-  return *choice.best();
+  const std::vector<Sample> some = thinned(all);
+  const double scale_px = 0.5 * std::max(cloud.width, cloud.height);
+  Choice choice(some);
+  choice.offer(fit_pinhole(some), Model::kPinhole);
+  if (!choice.settled()) choice.offer(guess_rotated(scale_px, some), Model::kRotated);
+  if (!choice.settled()) choice.offer(guess_moved(scale_px, some), Model::kMoved);
+  if (const auto best = choice.report(all)) return *best;
+  return cannot("no pinhole camera explains the points");
 }
 
 }  // namespace planecast

@@ -14,6 +14,7 @@ struct ZGrid {
   enum class Rule : std::uint8_t {
     kDoubleProduct = 0,  ///< float(k * unit), unit and product in double
     kFloatProduct = 1,   ///< float(k) * float(unit), in float
+    kPrinted7 = 2,       ///< the float product, printed with 7 significant digits and read back
   };
 
   std::uint64_t unit_pm = 0;  ///< [pm], 10^9 = 1 mm
@@ -22,14 +23,8 @@ struct ZGrid {
   friend bool operator==(const ZGrid&, const ZGrid&) = default;
 };
 
-/// The float32 z [m] of a count. IEEE double and float products only: the same on every machine.
-inline float grid_z(const ZGrid& grid, std::uint16_t count) noexcept {
-  const double unit = static_cast<double>(grid.unit_pm) / 1e12;
-  if (grid.rule == ZGrid::Rule::kFloatProduct) {
-    return static_cast<float>(count) * static_cast<float>(unit);
-  }
-  return static_cast<float>(count * unit);
-}
+/// The float32 z [m] of a count. IEEE double and float + * / only: the same on every machine.
+float grid_z(const ZGrid& grid, std::uint16_t count) noexcept;
 
 /// The count whose grid_z is exactly z, or 0 when there is none (also for NaN, 0, negative z).
 std::uint16_t grid_count(const ZGrid& grid, float z) noexcept;
