@@ -4,10 +4,13 @@ set(PLANECAST_SANITIZE "" CACHE STRING "Sanitizers to build with: address, undef
 set_property(CACHE PLANECAST_SANITIZE PROPERTY STRINGS "" address undefined "address;undefined" thread)
 
 # A build type of its own: optimised enough to be quick, small line tables for readable stacks,
-# asserts kept.
-set(CMAKE_CXX_FLAGS_SANITIZE "-O1 -g1 -fno-omit-frame-pointer" CACHE STRING "Flags of sanitizer builds")
-set(CMAKE_C_FLAGS_SANITIZE "-O1 -g1 -fno-omit-frame-pointer" CACHE STRING "Flags of sanitizer builds")
-mark_as_advanced(CMAKE_CXX_FLAGS_SANITIZE CMAKE_C_FLAGS_SANITIZE)
+# asserts kept. CMake has put an empty value into the cache before this file is read.
+foreach(language C CXX)
+  if(NOT CMAKE_${language}_FLAGS_SANITIZE)
+    set(CMAKE_${language}_FLAGS_SANITIZE "-O1 -g1" CACHE STRING "Flags of sanitizer builds" FORCE)
+    mark_as_advanced(CMAKE_${language}_FLAGS_SANITIZE)
+  endif()
+endforeach()
 
 if(NOT PLANECAST_SANITIZE)
   return()
