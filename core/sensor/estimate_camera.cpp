@@ -322,8 +322,7 @@ class Choice {
 
   void offer(std::optional<Fit> fit, EstimatedCamera::Model model) {
     if (!fit) return;
-    const int unknowns = 4 + 3 * static_cast<int>(model);
-    const double median = refine(*fit, samples_, unknowns);
+    const double median = refine(*fit, samples_, 4 + 3 * static_cast<int>(model));
     if (best_ && !(median < kWorthwhile * median_)) return;
     best_ = *fit;
     model_ = model;
