@@ -77,8 +77,9 @@ double DepthNoise::coarse(std::uint32_t u, std::uint32_t v) const noexcept {
   return across.scale * down.scale * (down.near * upper + down.far * lower);
 }
 
-// The second eye is to the right: it sees pixel u at u - f b / z. A pixel is hidden from it when
-// one further right is seen at the same place or left of it.
+// The second eye is to the right: it sees pixel u at u - f b / z. A pixel is lost when one further
+// right is seen at the same place or left of it: hidden, or (behind a thin object) out of the order
+// that stereo matchers rely on.
 void DepthNoise::cast_shadows(std::span<const double> true_z_m, std::uint32_t v) {
   double leftmost = 1e30;
   for (std::uint32_t i = width_; i-- > 0;) {

@@ -16,9 +16,12 @@ bool chance(Pcg32& random, double share) {
   return random.uniform() < share;
 }
 
+// Named one by one: the order in which arguments are evaluated differs between compilers.
 Rotation any_rotation(Pcg32& random) {
-  return rotation_of(turned_by(between(random, -3.1, 3.1), between(random, -1.5, 1.5),
-                               between(random, -3.1, 3.1)));
+  const double yaw = between(random, -3.1, 3.1);
+  const double pitch = between(random, -1.5, 1.5);
+  const double roll = between(random, -3.1, 3.1);
+  return rotation_of(turned_by(yaw, pitch, roll));
 }
 
 Vec3 any_place(Pcg32& random, double reach) {

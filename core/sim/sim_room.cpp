@@ -30,6 +30,15 @@ Error bad(const char* name, double value, const char* mend) {
   return {Status::kBadConfig, text};
 }
 
+// Every frame has its own numbers, so that frames may be rendered in any order. SplitMix64's mixing
+// (Steele, Lea, Flood 2014): neighbouring frames must not draw alike.
+std::uint64_t frame_seed(std::uint64_t seed, std::uint64_t frame) {
+  std::uint64_t z = seed * 0x9E3779B97F4A7C15ULL + frame;
+  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
+  return z ^ (z >> 31U);
+}
+
 bool within(double value, double low, double high) {
   return value >= low && value <= high;
 }
@@ -138,8 +147,7 @@ void RoomSimulator::render(std::uint64_t frame, DepthImage& depth,
   for (std::uint32_t v = 0; v < config_.height; v += kTile) {
     for (std::uint32_t u = 0; u < config_.width; u += kTile) cast_tile(u, v, truth_surface_ids);
   }
-  // Each frame has its own stream of numbers, so that frames may be rendered in any order.
-  Pcg32 random(config_.seed, frame);
+  Pcg32 random(frame_seed(config_.seed, frame));
   noise_.apply(true_z_m_, random, depth.depth);
 }
 

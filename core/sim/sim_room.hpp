@@ -40,7 +40,7 @@ SimConfig sim_config(const SensorPreset& preset);
 /// The default of `sim:room`: like a RealSense D435 at 640 x 480, stereo:0.003.
 SimConfig default_sim_config();
 
-/// Renders depth frames of a scene. Single-threaded, owns all it needs; about 30 ms for 640 x 480.
+/// Renders depth frames of a scene. Single-threaded, owns all it needs; 20 to 50 ms for 640 x 480.
 class RoomSimulator {
  public:
   /// Checks the sensor and builds its rays. Errors: kBadConfig with the number and the mend

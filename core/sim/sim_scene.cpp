@@ -87,8 +87,8 @@ SimScene room_scene() {
   scene.path.period_s = 24;
   scene.path.yaw = 0.35;
   scene.path.yaw_rate = 2 * kPi / 40;
-  scene.path.pitch = 0.38;
-  scene.path.pitch_swing = 0.08;
+  scene.path.pitch = 0.24;
+  scene.path.pitch_swing = 0.16;
   return scene;
 }
 
