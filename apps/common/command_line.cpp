@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/common/config_file.hpp"
-#include "apps/common/nearest_name.hpp"
+#include "apps/common/suggestion.hpp"
 
 namespace planecast {
 namespace {

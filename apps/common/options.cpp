@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/common/nearest_name.hpp"
+#include "apps/common/suggestion.hpp"
 
 namespace planecast {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "apps/common/nearest_name.hpp"
+#include "apps/common/suggestion.hpp"
 #include "core/sensor/sensor_preset.hpp"
 
 namespace planecast {

@@ -133,8 +133,8 @@ TEST_F(CommandLine, ABadValueNamesTheOptionTheValueAndAnExample) {
   EXPECT_TRUE(c.says("10mm"));
   EXPECT_TRUE(c.says("See 'planecast encode --help'"));
   Command choice;
-  EXPECT_EQ(choice.run({"--off-surface", "dorp"}), ExitCode::kUsage);
-  EXPECT_TRUE(choice.says("--off-surface: 'dorp' is not one of: keep, drop; did you mean 'drop'?"))
+  EXPECT_EQ(choice.run({"--off-surface", "dropp"}), ExitCode::kUsage);
+  EXPECT_TRUE(choice.says("--off-surface: 'dropp' is not one of: keep, drop; did you mean 'drop'?"))
       << choice.talk;
 }
 
