@@ -33,17 +33,25 @@ target_compile_options(planecast_flags INTERFACE
   "$<BUILD_INTERFACE:$<$<BOOL:${PLANECAST_WERROR}>:-Werror>>")
 target_include_directories(planecast_flags INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/planecast>)
+target_compile_features(planecast_flags INTERFACE cxx_std_20)
+set_target_properties(planecast_flags PROPERTIES EXPORT_NAME flags)
 add_library(planecast::flags ALIAS planecast_flags)
-include(sanitizers OPTIONAL)
+include(sanitizers)
+if(PROJECT_IS_TOP_LEVEL AND PROJECT_NAME STREQUAL "planecast")
+  include(install)
+endif()
 
 set_property(GLOBAL PROPERTY PLANECAST_ROOMS planecast_flags)
 
-# planecast_room(NAME [DEPENDS room...] [PRIVATE_LIBS lib...] [PRIVATE_INCLUDES dir...])
+# planecast_room(NAME [DEPENDS room...] [PRIVATE_LIBS lib...])
 # Builds planecast_NAME from the .cpp files of the current folder; a room of headers only is INTERFACE.
+# Libraries of headers only (Eigen, nanoflann) stay inside: who links an installed room needs none.
 function(planecast_room NAME)
   cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_LIBS" ${ARGN})
   file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(TRANSFORM ARG_DEPENDS PREPEND planecast_)
+  list(TRANSFORM ARG_PRIVATE_LIBS REPLACE "^(Eigen3::Eigen|nanoflann::nanoflann)$"
+       "$<BUILD_INTERFACE:\\1>")
   if(SOURCES)
     add_library(planecast_${NAME} STATIC ${SOURCES})
     target_link_libraries(planecast_${NAME} PUBLIC planecast_flags ${ARG_DEPENDS}
@@ -69,6 +77,8 @@ function(planecast_tests NAME)
   add_executable(${NAME}_test ${SOURCES})
   target_link_libraries(${NAME}_test PRIVATE ${ARG_DEPENDS} ${ARG_LIBS} planecast_test_support GTest::gtest_main)
   target_compile_definitions(${NAME}_test PRIVATE PLANECAST_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  # "if (x) EXPECT_EQ(...)" is sound: the macro closes its own else, but g++ cannot tell.
+  target_compile_options(${NAME}_test PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-dangling-else>)
   set(properties TIMEOUT 600)
   if(ARG_LABELS)
     list(JOIN ARG_LABELS "\\;" labels)  # gtest_discover_tests splits an unescaped list
