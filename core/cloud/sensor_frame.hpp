@@ -29,6 +29,7 @@ struct PointCloud {
   std::vector<Point3f> points;                   ///< [m]; relative to origin_* when those are not zero
   double origin_x = 0, origin_y = 0, origin_z = 0;  ///< subtracted in double before the cut to float (UTM)
   std::vector<std::string> dropped_fields;       ///< fields the file has and this codec does not carry
+  Pose viewpoint;  ///< sensor in the world (PCD VIEWPOINT); identity when the file states none
   bool organised() const noexcept { return height > 1; }
 };
 
