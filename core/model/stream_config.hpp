@@ -1,0 +1,78 @@
+// What a key packet says: all that a receiver must know to decode every slice of a stream.
+// Integers only, so that both ends and every machine hold the same values.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/base/status.hpp"
+#include "core/sensor/camera.hpp"
+#include "core/sensor/noise_model.hpp"
+#include "core/sensor/pose_fixed.hpp"
+
+namespace planecast {
+
+/// What one frame of the stream is.
+enum class FrameKind : std::uint8_t {
+  kDepth = 0,     ///< an integer depth image; points are regenerated along rays
+  kRawCloud = 1,  ///< an organised grid of float32 x, y, z, coded losslessly
+};
+
+/// Which error contract holds (DESIGN 4).
+enum class ToleranceKind : std::uint8_t {
+  kLossless = 0,  ///< every depth count comes back
+  kMetres = 1,    ///< 3-D distance of each point from its reconstruction
+  kSigma = 2,     ///< the same, in multiples of the noise model's sigma
+  kSurfaces = 3,  ///< on-surface points carry no correction; the bound is K sigma
+};
+
+/// Levels of a sensor whose depth is C / (k + offset), k = 1, 2, ..., rounded or cut to whole
+/// counts; c_q8 = 0: every depth count is a level. C in depth counts.
+struct Lattice {
+  std::uint32_t c_q8 = 0;
+  std::uint32_t offset_q16 = 0;  ///< 0 .. 65535
+  bool truncated = false;        ///< counts are cut, not rounded
+  bool present() const noexcept { return c_q8 != 0; }
+  friend bool operator==(const Lattice&, const Lattice&) = default;
+};
+
+/// How integer depth becomes the float32 z of the input (see z_grid.hpp).
+enum class ZRule : std::uint8_t { kProductInDouble = 0, kProductInFloat = 1 };
+
+/// Whose clock stamps are read from.
+enum class ClockDomain : std::uint8_t { kUnknown = 0, kMonotonic = 1, kRealtime = 2, kSensor = 3 };
+
+inline constexpr std::size_t kMaxFrameIdBytes = 31;
+
+/// The content of a key packet. Ranges are checked by check_config().
+struct StreamConfig {
+  std::uint8_t stream = 0;    ///< number of the stream on its channel
+  std::uint32_t session = 0;  ///< random per start of the sender
+  std::int64_t epoch_ns = 0;  ///< stamps in slices count from here
+  ClockDomain clock = ClockDomain::kUnknown;
+  std::uint32_t boot_id = 0;     ///< hash of the machine's boot id; equal ids share a clock
+  std::uint16_t period_ms = 33;  ///< nominal frame period
+
+  FrameKind kind = FrameKind::kDepth;
+  CameraModel camera;
+  ZRule z_rule = ZRule::kProductInDouble;
+  Lattice lattice;
+  NoiseModel noise;
+
+  ToleranceKind tolerance = ToleranceKind::kLossless;
+  std::uint32_t tolerance_100nm = 0;  ///< kMetres: the bound left for depth, in 0.1 um
+  std::uint32_t sigmas_q16 = 0;       ///< kSigma, kSurfaces: multiples of sigma
+  bool drop_off_surface = false;      ///< kSurfaces: points off the surfaces were dropped
+  bool effort_best = false;
+
+  PoseFixed pose;  ///< sensor in the world
+  PoseFixed axes;  ///< optical axes in the cloud's own frame (estimated clouds)
+  std::array<char, kMaxFrameIdBytes + 1> frame_id{};  ///< NUL-terminated ASCII
+
+  friend bool operator==(const StreamConfig&, const StreamConfig&) = default;
+};
+
+/// Checks every range: kOk or kFieldRange. Used on configurations from users and from the wire.
+Status check_config(const StreamConfig& config) noexcept;
+
+}  // namespace planecast

@@ -1,0 +1,40 @@
+// The probability models of a tile, one set for each binary decision of docs/wire-format.md,
+// "Tile". Both halves start every tile from the same trained constants.
+#pragma once
+
+#include <cstdint>
+
+#include "core/predict/pixel_predictor.hpp"
+#include "core/wire/bit_model.hpp"
+
+namespace planecast {
+
+/// Longest correction coded in unary steps; longer ones are jumps.
+inline constexpr int kMaxUnary = 12;
+inline constexpr int kMaskContexts = 256;
+inline constexpr int kLabelBits = 6;
+inline constexpr int kJumpBits = 5;
+
+struct TileModels {
+  BitModel block_any[9];   ///< the block has a reading; by left and above block
+  BitModel block_full[9];  ///< ... and no hole
+  BitModel
+      block_corrected[18];  ///< ... and a correction that is not zero; by left, above, labelled
+  BitModel label_as_left[4];
+  BitModel label_as_above[4];
+  BitModel label_index[1 << kLabelBits];
+  BitModel block_second[3];    ///< surfaces kind: a second surface crosses the block
+  BitModel block_uniform[3];   ///< surfaces kind: every reading is on the first surface
+  BitModel on_surface[2][27];  ///< surfaces kind: by the labels of left, above, above-left
+  BitModel mask[kMaskContexts];
+  BitModel correction[kCorrectionContexts];
+  BitModel sign[kSignContexts];
+  BitModel magnitude[kMagnitudeContexts][kMaxUnary];
+  BitModel jump_length[1 << kJumpBits];
+  BitModel jump_top[17];
+};
+
+/// Models at the start of a tile, for lossless and for bounded streams.
+const TileModels& trained_models(bool lossless) noexcept;
+
+}  // namespace planecast

@@ -1,0 +1,74 @@
+// Codes one tile of a depth frame: quantises its pixels in the decoder's own arithmetic, then
+// entropy-codes the result (docs/wire-format.md, "Tile"). Encoder half.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/base/arena.hpp"
+#include "core/base/status.hpp"
+#include "core/wire/range_encoder.hpp"
+#include "core/wire/tile_syntax.hpp"
+
+namespace planecast {
+
+/// What coding a tile cost and did.
+struct TileReport {
+  std::size_t bytes = 0;
+  std::uint32_t points = 0;       ///< readings coded
+  std::uint32_t corrections = 0;  ///< of them with a correction that is not zero
+  bool verbatim = false;          ///< the models did not pay; counts are stored as they are
+};
+
+/// Working memory of one packer, taken from the arena at start; used by one thread.
+class TilePacker {
+ public:
+  void layout(Arena& arena, std::uint32_t max_width) noexcept;
+
+  /// Codes `rect` of the frame into `out`. kTooLarge when `out` is too small (the caller splits
+  /// the tile); otherwise kOk. No allocation.
+  Status pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
+              std::span<std::uint8_t> out, TileReport& report) noexcept;
+
+ private:
+  struct Token {
+    std::int32_t jump = 0;        ///< signed levels of a jump
+    std::int16_t correction = 0;  ///< signed steps; +-(kMaxUnary + 1) announces a jump
+    std::uint16_t correction_context = 0;
+    std::uint16_t raw_depth = 0;  ///< not zero: the count itself follows the jump sign
+    std::uint8_t sign_context = 0;
+    std::uint8_t magnitude_context = 0;
+    std::uint8_t mask_context = 0;
+    std::uint8_t choice_context = 0;
+    std::uint8_t choice = 0;  ///< surfaces kind: 0 off, 1 first, 2 second
+    bool reading = false;
+  };
+  struct Job;
+
+  void code_head(Job& job, RangeEncoder& coder) noexcept;
+  void open_block_row(Job& job, std::uint32_t row) noexcept;
+  void quantise_row(Job& job, std::uint32_t v) noexcept;
+  PixelState quantise_reading(Job& job, const Neighbourhood& around, std::uint32_t x,
+                              std::uint32_t tile_v, std::uint16_t depth, BlockState& block,
+                              Token& token) noexcept;
+  PixelState choose_surface(const Job& job, std::uint32_t x, std::uint32_t tile_v,
+                            std::uint16_t depth, std::uint32_t limit, const BlockState& block,
+                            Token& token) const noexcept;
+  static std::int32_t correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
+                              std::uint32_t limit, Token& token) noexcept;
+  void code_block_row(Job& job, RangeEncoder& coder, std::uint32_t row) noexcept;
+  void code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
+                  const BlockNeighbours& n) noexcept;
+  void code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
+                  const Token& token) noexcept;
+  Status pack_verbatim(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
+                       std::span<std::uint8_t> out, TileReport& report) noexcept;
+
+  std::span<PixelState> rows_;        ///< three rows with borders
+  std::span<Token> tokens_;           ///< eight rows
+  std::span<BlockState> blocks_;      ///< two block rows
+  std::span<BlockSurface> surfaces_;  ///< one for each block of a block row
+  TileModels models_;
+};
+
+}  // namespace planecast

@@ -1,0 +1,64 @@
+// Decodes one tile into a depth image: the mirror of tile_pack.hpp, for bytes from anywhere.
+// Decoder half: every field is bounded before it is believed, nothing is allocated.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/base/arena.hpp"
+#include "core/base/status.hpp"
+#include "core/wire/range_decoder.hpp"
+#include "core/wire/tile_syntax.hpp"
+
+namespace planecast {
+
+/// What one tile held.
+struct TileContent {
+  TileRect rect;
+  std::uint32_t points = 0;       ///< readings decoded
+  std::uint32_t corrections = 0;  ///< of them with a correction that is not zero
+  std::uint32_t surfaces = 0;     ///< surfaces the tile carries
+  bool verbatim = false;
+};
+
+/// Where a decoded tile goes: width * height of the stream's camera each, row-major. `labels` may
+/// be empty; otherwise it receives 1 + the tile's surface number for pixels of labelled blocks.
+struct TileTarget {
+  std::span<std::uint16_t> depth;
+  std::span<std::uint8_t> labels;
+};
+
+/// Working memory of one unpacker, taken from the arena at start; used by one thread.
+class TileUnpacker {
+ public:
+  void layout(Arena& arena, std::uint32_t max_width) noexcept;
+
+  /// Decodes `in` into `target`. Time is bounded by the tile's pixels. kFieldRange: a rectangle
+  /// outside the image or a value no encoder writes; kBadSymbol: an impossible level or label;
+  /// kTruncated; kTrailingBytes. On failure the tile's rectangle of `target` is cleared when it
+  /// was known.
+  Status unpack(const CodingTables& tables, std::span<const std::uint8_t> in,
+                const TileTarget& target, TileContent& content) noexcept;
+
+ private:
+  struct Job;
+
+  Status read_head(Job& job, RangeDecoder& coder) noexcept;
+  Status read_verbatim(Job& job, RangeDecoder& coder) noexcept;
+  Status read_block(Job& job, RangeDecoder& coder, BlockState& block,
+                    const BlockNeighbours& n) noexcept;
+  Status read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept;
+  Status read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_v) noexcept;
+  PixelState read_reading(Job& job, RangeDecoder& coder, const Neighbourhood& around,
+                          std::uint32_t x, std::uint32_t tile_v, const BlockState& block,
+                          std::uint16_t& depth) noexcept;
+  std::int32_t read_correction(Job& job, RangeDecoder& coder, const PixelPrediction& p,
+                               std::int32_t& correction, std::uint16_t& depth) noexcept;
+
+  std::span<PixelState> rows_;
+  std::span<BlockState> blocks_;
+  std::span<BlockSurface> surfaces_;
+  TileModels models_;
+};
+
+}  // namespace planecast
