@@ -17,7 +17,7 @@ bool ascii_name(const std::array<char, kMaxFrameIdBytes + 1>& name) noexcept {
 
 Status check_config(const StreamConfig& config) noexcept {
   const bool kinds =
-      config.kind <= FrameKind::kRawCloud && config.z_rule <= ZRule::kProductInFloat &&
+      config.kind <= FrameKind::kRawCloud && config.z_rule <= ZRule::kPrinted7 &&
       config.tolerance <= ToleranceKind::kSurfaces && config.clock <= ClockDomain::kSensor &&
       config.noise.kind <= NoiseModel::Kind::kTof;
   if (!kinds || config.period_ms == 0) return Status::kFieldRange;

@@ -37,7 +37,7 @@ struct Lattice {
 };
 
 /// How integer depth becomes the float32 z of the input (see z_grid.hpp).
-enum class ZRule : std::uint8_t { kProductInDouble = 0, kProductInFloat = 1 };
+enum class ZRule : std::uint8_t { kProductInDouble = 0, kProductInFloat = 1, kPrinted7 = 2 };
 
 /// Whose clock stamps are read from.
 enum class ClockDomain : std::uint8_t { kUnknown = 0, kMonotonic = 1, kRealtime = 2, kSensor = 3 };
@@ -64,6 +64,7 @@ struct StreamConfig {
   std::uint32_t sigmas_q16 = 0;       ///< kSigma, kSurfaces: multiples of sigma
   bool drop_off_surface = false;      ///< kSurfaces: points off the surfaces were dropped
   bool effort_best = false;
+  bool mirror_y = false;  ///< the cloud's axes are left-handed: y is flipped before `axes`
 
   PoseFixed pose;  ///< sensor in the world
   PoseFixed axes;  ///< optical axes in the cloud's own frame (estimated clouds)

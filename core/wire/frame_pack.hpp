@@ -1,0 +1,75 @@
+// Cuts a frame into slices that decode alone and codes each (docs/wire-format.md, "Frame").
+// Encoder half.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/arena.hpp"
+#include "core/base/status.hpp"
+#include "core/wire/packet_header.hpp"
+#include "core/wire/tile_pack.hpp"
+
+namespace planecast {
+
+/// Smallest slice limit: one block stored verbatim, with its header, fits.
+inline constexpr std::size_t kMinSliceBytes = 256;
+/// Slice limit of the file form: as few slices as the format allows.
+inline constexpr std::size_t kFileSliceBytes = std::size_t{1} << 24U;
+
+/// Identity of a frame on the wire.
+struct FrameIdentity {
+  std::uint8_t stream = 0;
+  std::uint32_t frame = 0;
+  std::uint64_t stamp_offset = 0;
+  std::uint32_t key_hash = 0;
+};
+
+/// One packed slice within the frame's buffer.
+struct SlicePlace {
+  std::uint32_t offset = 0;
+  std::uint32_t bytes = 0;
+};
+
+/// What packing a frame gave.
+struct FrameReport {
+  std::uint32_t slices = 0;
+  std::size_t bytes = 0;  ///< all slices, headers included
+  std::uint32_t points = 0;
+  std::uint32_t corrections = 0;  ///< points with a correction that is not zero
+  std::uint32_t surfaces = 0;
+};
+
+/// Bytes that a frame can never exceed, whatever its content.
+std::size_t frame_capacity(std::uint32_t width, std::uint32_t height) noexcept;
+/// Slices that a frame can never exceed: one a block, at most 65535.
+std::size_t slice_capacity(std::uint32_t width, std::uint32_t height) noexcept;
+
+/// Packs frames of one stream; keeps a running estimate of how its bytes fall, so that tiles fit
+/// their slices at the first try. One thread; memory from the arena at start.
+class FramePacker {
+ public:
+  void layout(Arena& arena, std::uint32_t max_width, std::uint32_t max_height) noexcept;
+
+  /// Packs `frame` into `out` as slices of at most `slice_bytes` (kMinSliceBytes or more), each
+  /// sealed. `places` receives them in order. kTooLarge: `out` or `places` is too small. No
+  /// allocation.
+  Status pack(const CodingTables& tables, const FrameModel& frame, const FrameIdentity& identity,
+              std::size_t slice_bytes, std::span<std::uint8_t> out, std::span<SlicePlace> places,
+              FrameReport& report) noexcept;
+
+ private:
+  struct Job;
+
+  void estimate_costs(const CodingTables& tables, const FrameModel& frame) noexcept;
+  std::uint64_t estimate(const Job& job, const TileRect& rect) const noexcept;
+  Status pack_rect(Job& job, const TileRect& rect) noexcept;
+  Status pack_halves(Job& job, const TileRect& rect) noexcept;
+
+  TilePacker tiles_;
+  std::span<std::uint32_t> cost_sums_;  ///< summed-area table of block costs, one more each way
+  std::uint32_t scale_q8_ = 256;        ///< measured bits over estimated bits
+};
+
+}  // namespace planecast
