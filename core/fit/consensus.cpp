@@ -1,0 +1,107 @@
+#include "core/fit/consensus.hpp"
+
+#include <algorithm>
+
+#include "core/base/random.hpp"
+
+namespace planecast {
+namespace {
+
+// Most cells that vote on a sample: more add time and no certainty.
+constexpr std::size_t kVoters = 256;
+
+std::size_t collect(const RegionMap& regions, unsigned label, std::span<std::uint32_t> out) {
+  std::size_t n = 0;
+  for (std::uint32_t i = 0; i < regions.cells.size(); ++i) {
+    if (regions.labels[i] == label) out[n++] = i;
+  }
+  return n;
+}
+
+PlaneSums weighted_sums(const RegionMap& regions, std::span<const std::uint32_t> cells,
+                        const FloatPlane* within, double limit) {
+  PlaneSums sums;
+  for (const std::uint32_t i : cells) {
+    const Cell& cell = regions.cells[i];
+    if (within != nullptr && cell_residual(cell, *within) > limit) continue;
+    sums.add(cell.sums, 1.0 / cell.variance);
+  }
+  return sums;
+}
+
+// The plane most cells agree on; false when too few do.
+bool strongest_plane(const RegionMap& regions, std::span<const std::uint32_t> cells, Pcg32& random,
+                     const ConsensusOptions& options, FloatPlane& best) {
+  const auto count = static_cast<std::uint32_t>(cells.size());
+  const std::size_t stride = cells.size() / kVoters + 1;
+  std::uint32_t most = 0;
+  for (std::uint32_t t = 0; t < options.trials; ++t) {
+    PlaneSums three;
+    for (int i = 0; i < 3; ++i) {
+      const Cell& cell = regions.cells[cells[random.below(count)]];
+      three.add(cell.sums, 1.0 / cell.variance);
+    }
+    FloatPlane plane;
+    if (!three.solve(plane)) continue;
+    std::uint32_t votes = 0;
+    for (std::size_t i = 0; i < cells.size(); i += stride) {
+      votes += cell_residual(regions.cells[cells[i]], plane) <= options.inlier_residual ? 1U : 0U;
+    }
+    if (votes > most) {
+      most = votes;
+      best = plane;
+    }
+  }
+  if (most == 0) return false;
+  for (int round = 0; round < 2; ++round) {
+    const PlaneSums agreed = weighted_sums(regions, cells, &best, options.inlier_residual);
+    if (!agreed.solve(best)) return false;
+  }
+  return true;
+}
+
+// Moves cells that are not on the plane to the front, returns how many there are.
+std::size_t move_off_plane_first(const RegionMap& regions, std::span<std::uint32_t> cells,
+                                 const FloatPlane& plane, double limit) {
+  std::size_t off = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (cell_residual(regions.cells[cells[i]], plane) > limit) std::swap(cells[off++], cells[i]);
+  }
+  return off;
+}
+
+}  // namespace
+
+int split_regions(RegionMap& regions, std::span<RegionFit> fits, std::span<std::uint32_t> scratch,
+                  const ConsensusOptions& options) noexcept {
+  int split = 0;
+  const int before = regions.regions;
+  for (int k = 1; k <= before; ++k) {
+    const RegionFit& fit = fits[k - 1];
+    if (!fit.valid || fit.residual <= options.clear_residual) continue;
+    if (fit.cells < 2 * options.min_cells) continue;
+    Pcg32 random(options.seed, static_cast<std::uint64_t>(k));
+    std::size_t left = collect(regions, static_cast<unsigned>(k), scratch);
+    bool first = true;
+    while (left >= options.min_cells && (first || regions.regions < kMaxSurfaces)) {
+      const std::span<std::uint32_t> cells = scratch.first(left);
+      FloatPlane plane;
+      if (!strongest_plane(regions, cells, random, options, plane)) break;
+      const std::size_t off = move_off_plane_first(regions, cells, plane, options.inlier_residual);
+      if (left - off < options.min_cells) break;
+      const int label = first ? k : ++regions.regions;
+      for (const std::uint32_t i : cells.subspan(off)) {
+        regions.labels[i] = static_cast<std::uint8_t>(label);
+      }
+      first = false;
+      left = off;
+    }
+    if (first) continue;  // no plane stands out: curved or rough, and better left as it is
+    ++split;
+    for (const std::uint32_t i : scratch.first(left)) regions.labels[i] = 0;
+  }
+  if (split > 0) fit_regions(regions, fits);
+  return split;
+}
+
+}  // namespace planecast
