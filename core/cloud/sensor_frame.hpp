@@ -8,6 +8,9 @@
 
 namespace planecast {
 
+/// Largest side of an image or an organised cloud [px].
+inline constexpr std::uint32_t kMaxImageSide = 16384;
+
 /// A point in metres, in the frame its container names; NaN in any coordinate means "no reading".
 struct Point3f {
   float x = 0;

@@ -8,8 +8,8 @@
 namespace planecast {
 namespace {
 
-constexpr std::uint32_t kBorder = 4;      // floats before and after a row, holes
-constexpr float kNoNeighbour = 1.0e6F;    // stands for a difference to a hole
+constexpr std::uint32_t kBorder = 4;    // floats before and after a row, holes
+constexpr float kNoNeighbour = 1.0e6F;  // stands for a difference to a hole
 constexpr float kIsolated = 1.0e9F;
 constexpr float kHole = -1.0F;
 

@@ -17,6 +17,9 @@ constexpr float kSurfaceBits = 150.0F;
 // Bits of n corrections of mean magnitude m: n log2(1 + kSpread m), near enough for comparing.
 constexpr float kSpread = 2.5F;
 constexpr float kMissCap = 24.0F;
+constexpr float kNeighbourSlack = 0.0F, kSurfaceSlack = 0.5F;
+// An estimate this much in favour is trusted; without a bound surfaces gain little to lose on.
+constexpr float kSureLossless = 1.04F, kSureBounded = 1.0F;
 
 std::size_t row_floats(std::uint32_t width) noexcept {
   return (std::size_t{width} + 7) / 8 * 8 + 2 * kBorder;
@@ -33,11 +36,13 @@ struct BlockView {
   std::size_t stride;
 };
 
-// Correction steps that a residual needs beyond the window.
+// Correction steps that a residual needs beyond the window. Residuals are taken on true levels,
+// but the coder predicts from decoded ones, which stray within the window: the median passes all
+// of that on and has no slack left, the surface half (shares measured on recordings).
 struct Window {
   Float4 half, per_step;
-  Window(int half_width)
-      : half(all4(static_cast<float>(half_width))),
+  Window(int half_width, float share)
+      : half(all4(share * static_cast<float>(half_width))),
         per_step(all4(1.0F / static_cast<float>(half_width + half_width / 2 + 1))) {}
   Float4 steps(Float4 residual) const noexcept {
     const Float4 beyond = max4(abs4(residual) - half, all4(0)) * per_step;
@@ -92,8 +97,7 @@ float surface_misses(const BlockView& b, const BlockSurface& s, const Window& wi
       add(ur, at + dx - dy, 2);
       const Float4 residual = here - at - all4(0.9F) * drift / weight;
       // Predictions are whole levels.
-      const Float4 rounded = to_float4(__builtin_convertvector(
-                                 abs4(residual) + all4(0.5F), Int4));
+      const Float4 rounded = to_float4(__builtin_convertvector(abs4(residual) + all4(0.5F), Int4));
       sum += keep4(known, window.steps(rounded));
     }
   }
@@ -111,8 +115,7 @@ Candidates block_candidates(const RegionMap& regions, std::span<const std::uint8
                             std::uint32_t bx, std::uint32_t by) noexcept {
   Candidates out;
   const auto add = [&](std::uint32_t x, std::uint32_t y) {
-    const std::uint8_t label =
-        surface_of[regions.labels[std::size_t{y} * regions.cells_wide + x]];
+    const std::uint8_t label = surface_of[regions.labels[std::size_t{y} * regions.cells_wide + x]];
     if (label == 0 || out.count == 4) return;
     for (int i = 0; i < out.count; ++i) {
       if (out.label[i] == label) return;
@@ -167,8 +170,7 @@ void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16
       const std::uint8_t left = bx > 0 ? labels[block - 1].first : std::uint8_t{0};
       const std::uint8_t above = by > 0 ? labels[block - wide].first : std::uint8_t{0};
       const BlockView view{levels_.data() + (by * 8 + 1) * stride_ + kBorder + bx * 8, stride_};
-      const std::uint8_t* halves =
-          tables.bounds->half_widths(tables.bounds->ray_class(bx, by));
+      const std::uint8_t* halves = tables.bounds->half_widths(tables.bounds->ray_class(bx, by));
       float best = 0, without = 0, readings = 0;
       std::uint8_t best_label = 0;
       for (int i = 0; i < candidates.count; ++i) {
@@ -177,15 +179,16 @@ void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16
             block_surface(surfaces[label - 1U], *tables.rays, *tables.levels, bx, by);
         const std::int32_t middle = std::clamp((s.at(4, 4) + 128) >> 8, 1, last);
         const int half = halves[middle];
-        const Window window(half);
+        const Window window(half, kNeighbourSlack), surface_window(half, kSurfaceSlack);
         if (i == 0) {
           const float misses = neighbour_misses(view, window, readings);
           without = bits_of(misses, readings);
           best = without + label_bits(0, left, above);
         }
         const float misses =
-            surface_misses(view, s, window, static_cast<float>(12 + 3 * half));
-        const float bits = bits_of(misses, readings) + label_bits(label, left, above);
+            surface_misses(view, s, surface_window, static_cast<float>(12 + 3 * half));
+        const float sure = half == 0 ? kSureLossless : kSureBounded;
+        const float bits = sure * bits_of(misses, readings) + label_bits(label, left, above);
         if (bits < best) {
           best = bits;
           best_label = label;

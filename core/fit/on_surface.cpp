@@ -44,8 +44,7 @@ std::uint64_t readings_of(const FitTables& tables, std::span<const std::uint16_t
 }
 
 std::uint64_t on_bits(const FitTables& tables, std::span<const std::uint16_t> depth,
-                      const BlockPixels& b, std::uint64_t wanted,
-                      const Surface& surface) noexcept {
+                      const BlockPixels& b, std::uint64_t wanted, const Surface& surface) noexcept {
   std::uint64_t out = 0;
   for (std::uint64_t rest = wanted; rest != 0; rest &= rest - 1) {
     const auto bit = static_cast<std::uint32_t>(std::countr_zero(rest));

@@ -12,7 +12,7 @@ namespace planecast {
 /// The plane of one region.
 struct RegionFit {
   FloatPlane plane;
-  double residual = 0;   ///< mean squared residual of a reading, in noise variances
+  double residual = 0;  ///< mean squared residual of a reading, in noise variances
   double readings = 0;
   double min_sigma = 0;  ///< smallest noise of a reading in the region, inverse-depth steps
   std::uint32_t cells = 0;

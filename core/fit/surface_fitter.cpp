@@ -11,8 +11,7 @@ namespace planecast {
 void SurfaceFitter::layout(Arena& arena, std::uint32_t max_width,
                            std::uint32_t max_height) noexcept {
   labeller_.layout(arena, max_width, max_height);
-  scratch_ =
-      arena.take<std::uint32_t>(std::size_t{(max_width + 7) / 8} * ((max_height + 7) / 8));
+  scratch_ = arena.take<std::uint32_t>(std::size_t{(max_width + 7) / 8} * ((max_height + 7) / 8));
 }
 
 Status SurfaceFitter::fit(const FitTables& tables, std::span<const std::uint16_t> depth,

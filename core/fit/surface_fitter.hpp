@@ -18,9 +18,9 @@ namespace planecast {
 
 /// What fitting a frame found.
 struct FitReport {
-  std::uint32_t surfaces = 0;        ///< entries of the caller's `surfaces` in use
-  std::uint8_t shift = 0;            ///< coefficients are multiples of 2^shift
-  std::uint32_t split_regions = 0;   ///< regions that consensus took apart
+  std::uint32_t surfaces = 0;       ///< entries of the caller's `surfaces` in use
+  std::uint8_t shift = 0;           ///< coefficients are multiples of 2^shift
+  std::uint32_t split_regions = 0;  ///< regions that consensus took apart
   std::uint32_t labelled_blocks = 0;
 };
 

@@ -9,9 +9,6 @@
 
 namespace planecast {
 
-/// Largest side of a depth image, in files of any kind.
-inline constexpr std::uint32_t kMaxImageSide = 16384;
-
 /// Reads an image of the given size (1 to kMaxImageSide pixels a side) in the sensor's units, 0 =
 /// no reading. Errors: kUsage for a bad size, kNotFound, kUnreadable when the file's size differs.
 Result<DepthImage> read_depth_raw(const std::filesystem::path& path, std::uint32_t width,

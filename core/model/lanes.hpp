@@ -11,7 +11,9 @@ using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Count4 = std::uint16_t __attribute__((vector_size(8)));
 
-inline Float4 all4(float value) noexcept { return Float4{value, value, value, value}; }
+inline Float4 all4(float value) noexcept {
+  return Float4{value, value, value, value};
+}
 
 inline Float4 load4(const float* from) noexcept {
   Float4 out;
@@ -19,7 +21,9 @@ inline Float4 load4(const float* from) noexcept {
   return out;
 }
 
-inline void store4(float* to, Float4 value) noexcept { std::memcpy(to, &value, sizeof value); }
+inline void store4(float* to, Float4 value) noexcept {
+  std::memcpy(to, &value, sizeof value);
+}
 
 inline Int4 load4(const std::int32_t* from) noexcept {
   Int4 out;
@@ -34,17 +38,27 @@ inline Float4 load4(const std::uint16_t* from) noexcept {
   return __builtin_convertvector(__builtin_convertvector(counts, Int4), Float4);
 }
 
-inline Float4 to_float4(Int4 value) noexcept { return __builtin_convertvector(value, Float4); }
+inline Float4 to_float4(Int4 value) noexcept {
+  return __builtin_convertvector(value, Float4);
+}
 
-inline Float4 min4(Float4 a, Float4 b) noexcept { return a < b ? a : b; }
-inline Float4 max4(Float4 a, Float4 b) noexcept { return a > b ? a : b; }
-inline Float4 abs4(Float4 a) noexcept { return max4(a, -a); }
+inline Float4 min4(Float4 a, Float4 b) noexcept {
+  return a < b ? a : b;
+}
+inline Float4 max4(Float4 a, Float4 b) noexcept {
+  return a > b ? a : b;
+}
+inline Float4 abs4(Float4 a) noexcept {
+  return max4(a, -a);
+}
 
 /// `value` where the mask (all bits or none per lane) is set, else 0.
 inline Float4 keep4(Int4 mask, Float4 value) noexcept {
   return reinterpret_cast<Float4>(mask & reinterpret_cast<Int4>(value));
 }
 
-inline float sum4(Float4 a) noexcept { return (a[0] + a[1]) + (a[2] + a[3]); }
+inline float sum4(Float4 a) noexcept {
+  return (a[0] + a[1]) + (a[2] + a[3]);
+}
 
 }  // namespace planecast

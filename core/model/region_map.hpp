@@ -12,11 +12,11 @@ namespace planecast {
 
 /// One cell of 8 x 8 pixels.
 struct Cell {
-  PlaneSums sums;           ///< unweighted, over its readings
-  float variance = 0;       ///< noise variance of one reading, in squared inverse-depth steps
-  float own_residual = 0;   ///< mean squared residual of its own plane, in noise variances
-  bool flat = false;        ///< enough readings for a plane of its own
-  bool usable = false;      ///< enough readings to join a region
+  PlaneSums sums;          ///< unweighted, over its readings
+  float variance = 0;      ///< noise variance of one reading, in squared inverse-depth steps
+  float own_residual = 0;  ///< mean squared residual of its own plane, in noise variances
+  bool flat = false;       ///< enough readings for a plane of its own
+  bool usable = false;     ///< enough readings to join a region
 };
 
 /// Regions of a frame: cells row-major, cells_wide * cells_high = ceil(w/8) * ceil(h/8).

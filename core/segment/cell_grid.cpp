@@ -107,6 +107,11 @@ InverseNoise::InverseNoise(const StreamConfig& config) noexcept {
   if (config.lattice.present()) {
     // Levels are finer than sigma where both are known, and what predictions are judged by.
     uniform_ = kIvOne * 256.0 / config.lattice.c_q8;
+    // Unless sigma decides which points stay.
+    if (config.tolerance == ToleranceKind::kSurfaces &&
+        config.noise.kind == NoiseModel::Kind::kStereo) {
+      uniform_ = std::max(uniform_, kIvOne * unit_m * config.noise.s());
+    }
   } else if (config.noise.kind == NoiseModel::Kind::kStereo && config.noise.s_e9 > 0) {
     uniform_ = kIvOne * unit_m * config.noise.s();
   } else if (config.noise.kind == NoiseModel::Kind::kTof && config.noise.s_e9 > 0) {

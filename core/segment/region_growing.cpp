@@ -129,8 +129,7 @@ void RegionGrowing::grow(const CellGrid& grid, std::uint32_t seed,
 
 // Labels 1 .. kMaxSurfaces for the largest regions, first found first among equals; 0 for others.
 void RegionGrowing::keep_largest() noexcept {
-  const std::uint32_t wanted =
-      std::min(region_count_, static_cast<std::uint32_t>(kMaxSurfaces));
+  const std::uint32_t wanted = std::min(region_count_, static_cast<std::uint32_t>(kMaxSurfaces));
   for (std::uint32_t label = 1; label <= wanted; ++label) {
     Region* largest = nullptr;
     for (std::uint32_t i = 0; i < region_count_; ++i) {
@@ -176,8 +175,7 @@ void RegionGrowing::merge(const CellGrid& grid, const GrowingOptions& options) n
       both.cells += second.cells;
       if (!both.sums.solve(both.plane)) continue;
       const double apart =
-          (first.residual() * first.readings + second.residual() * second.readings) /
-          both.readings;
+          (first.residual() * first.readings + second.residual() * second.readings) / both.readings;
       if (both.residual() > std::min(most, kMergeLoss * apart + kMergeSlack)) continue;
       first = both;
       second.joined = &first;

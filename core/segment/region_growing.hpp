@@ -15,9 +15,9 @@ namespace planecast {
 /// Thresholds, as root-mean-square residuals of a cell in noise sigmas (or levels, see
 /// InverseNoise).
 struct GrowingOptions {
-  double seed_sigmas = 2.0;         ///< a seed's residual from its own plane
-  double accept_sigmas = 3.0;       ///< a cell's residual from the region's plane
-  std::uint32_t min_cells = 12;     ///< smaller regions are given up
+  double seed_sigmas = 2.0;      ///< a seed's residual from its own plane
+  double accept_sigmas = 3.0;    ///< a cell's residual from the region's plane
+  std::uint32_t min_cells = 12;  ///< smaller regions are given up
 };
 
 /// Region growing over the cells of one frame. One thread. Memory: 16 bytes a cell and 50 KiB.

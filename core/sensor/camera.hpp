@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/status.hpp"
+#include "core/cloud/sensor_frame.hpp"
 
 namespace planecast {
 
@@ -34,7 +35,6 @@ struct CameraModel {
   friend bool operator==(const CameraModel&, const CameraModel&) = default;
 };
 
-inline constexpr std::uint32_t kMaxImageSide = 16384;
 inline constexpr std::uint64_t kMaxUnitPm = 1'000'000'000'000;  ///< 1 m
 /// Largest |x| and |y| of a ray (x, y, 1): tan 82.9 degrees. Leaves sums of squares room in int64.
 inline constexpr std::int32_t kMaxRay = 8;

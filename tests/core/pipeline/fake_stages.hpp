@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -140,6 +141,15 @@ inline void expect_balance(const FrameTotals& totals) {
 inline std::size_t thread_count() {
   const std::filesystem::directory_iterator tasks("/proc/self/task");
   return static_cast<std::size_t>(std::distance(begin(tasks), end(tasks)));
+}
+
+/// Threads before a test makes its own. A first thread has come and gone: some runtimes, such as
+/// ThreadSanitizer's, start a helper along with it and keep that for good.
+inline std::size_t threads_before() {
+  std::thread([] {}).join();
+  std::size_t least = thread_count();
+  for (int i = 0; i < 1000; ++i) least = std::min(least, thread_count());
+  return least;
 }
 
 /// True when no more than `expected` threads are left. The kernel lists a thread for a moment after

@@ -16,7 +16,7 @@ using test::expect_balance;
 using test::FakeChain;
 using test::run_frames;
 using test::Seen;
-using test::thread_count;
+using test::threads_before;
 using test::threads_gone;
 
 TEST(StageRunnerLifecycle, StopBeforeStartAndTwiceDoesNothing) {
@@ -119,7 +119,7 @@ TEST(StageRunnerLifecycle, StopWaitsForASubmitThatIsUnderWay) {
 }
 
 TEST(StageRunnerLifecycle, RestartsAfterStopWithoutLeakingThreadsOrFrames) {
-  const std::size_t before = thread_count();
+  const std::size_t before = threads_before();
   for (const RunMode mode : {RunMode::kInline, RunMode::kThreads}) {
     FakeChain chain(config_of(mode));
     std::uint64_t next = 0;
@@ -186,7 +186,7 @@ TEST(StageRunnerLifecycle, StopAndStartAtAnyMomentLoseNothing) {
 }
 
 TEST(StageRunnerLifecycle, DestructionWhileRunningEndsTheThreads) {
-  const std::size_t before = thread_count();
+  const std::size_t before = threads_before();
   {
     FakeChain chain(config_of(RunMode::kThreads));
     ASSERT_TRUE(chain.runner.start().ok());

@@ -1,0 +1,107 @@
+#include "core/pipeline/decoder.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/wire/key_packet.hpp"
+
+namespace planecast {
+
+Status Decoder::layout(Arena& arena, const DecoderConfig& config) noexcept {
+  tables_.layout(arena, config.limits);
+  unpacker_.layout(arena, config.limits.max_width);
+  raw_unpacker_.layout(arena, config.limits.max_width);
+  depth_ = arena.take<std::uint16_t>(config.limits.pixels());
+  labels_ = arena.take<std::uint8_t>(config.limits.pixels());
+  cloud_ = arena.take<Point3f>(config.limits.pixels());
+  return arena.failed() ? Status::kOutOfArena : Status::kOk;
+}
+
+std::size_t Decoder::memory_bytes(const DecoderConfig& config) noexcept {
+  Arena arena = Arena::measuring();
+  Decoder decoder;
+  (void)decoder.layout(arena, config);
+  return arena.bytes_needed();
+}
+
+Result<std::unique_ptr<Decoder>> Decoder::create(const DecoderConfig& config,
+                                                 std::span<std::byte> memory) {
+  const std::size_t bytes = memory_bytes(config);
+  if (!memory.empty() && memory.size() < bytes) {
+    return Error{Status::kOutOfArena,
+                 "the decoder needs " + std::to_string(bytes) + " bytes of memory"};
+  }
+  auto arena = memory.empty() ? Arena::map(bytes) : Arena::over(memory);
+  if (!arena.ok()) return arena.error();
+  auto decoder = std::make_unique<Decoder>();
+  decoder->arena_ = std::move(*arena);
+  if (const Status status = decoder->layout(decoder->arena_, config); status != Status::kOk) {
+    return Error{status, "the decoder's memory could not be laid out"};
+  }
+  decoder->arena_.seal();
+  return decoder;
+}
+
+Status Decoder::set_key(std::span<const std::uint8_t> packet) noexcept {
+  PacketHeader header;
+  if (const Status status = open_packet(packet, header); status != Status::kOk) return status;
+  if (!header.key) return Status::kFieldRange;
+  const auto body = packet.subspan(kPacketHeaderBytes);
+  if (key_hash(body) != header.key_hash) return Status::kBadCheck;
+  if (tables_.ready() && tables_.key_hash() == header.key_hash) return Status::kOk;
+  StreamConfig config;
+  if (const Status status = read_key_body(body, config); status != Status::kOk) return status;
+  return tables_.build(config, header.key_hash);
+}
+
+Status Decoder::begin() noexcept {
+  counts_ = {};
+  if (!tables_.ready()) return Status::kUnknownKey;
+  const std::size_t pixels = config().camera.pixels();
+  if (raw()) {
+    clear_points(cloud_.first(pixels));
+    return Status::kOk;
+  }
+  std::fill_n(depth_.begin(), pixels, std::uint16_t{0});
+  std::fill_n(labels_.begin(), pixels, std::uint8_t{0});
+  return Status::kOk;
+}
+
+Status Decoder::add(std::span<const std::uint8_t> slice) noexcept {
+  TileContent content;
+  Status status = Status::kUnknownKey;
+  if (tables_.ready()) {
+    const std::size_t pixels = config().camera.pixels();
+    status = raw() ? raw_unpacker_.unpack_slice(config(), tables_.key_hash(), slice,
+                                                cloud_.first(pixels), content)
+                   : unpacker_.unpack_slice(tables_.coding(), tables_.key_hash(), slice,
+                                            {depth_.first(pixels), labels_.first(pixels)}, content);
+  }
+  if (status == Status::kOk) {
+    ++counts_.slices;
+    counts_.points += content.points;
+    counts_.corrections += content.corrections;
+  } else {
+    ++counts_.refused;
+    if (status == Status::kUnknownKey) ++counts_.unknown_key;
+  }
+  return status;
+}
+
+Status Decoder::finish() noexcept {
+  if (!tables_.ready()) return Status::kUnknownKey;
+  if (raw()) return Status::kOk;
+  return regenerate(config(), tables_.rays(), tables_.scale(), depth(), cloud_);
+}
+
+std::span<const std::uint16_t> Decoder::depth() const noexcept {
+  return depth_.first(tables_.ready() && !raw() ? config().camera.pixels() : 0);
+}
+std::span<const std::uint8_t> Decoder::labels() const noexcept {
+  return labels_.first(tables_.ready() && !raw() ? config().camera.pixels() : 0);
+}
+std::span<const Point3f> Decoder::cloud() const noexcept {
+  return cloud_.first(tables_.ready() ? config().camera.pixels() : 0);
+}
+
+}  // namespace planecast

@@ -1,0 +1,72 @@
+// The decoder of one stream: key packets and slices in, a depth image and a cloud out. One thread,
+// fixed memory; no segmentation is linked by it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/base/arena.hpp"
+#include "core/pipeline/stream_tables.hpp"
+#include "core/wire/frame_unpack.hpp"
+#include "core/wire/raw_unpack.hpp"
+
+namespace planecast {
+
+struct DecoderConfig {
+  FrameLimits limits{1280, 1024};  ///< larger streams are refused with kFrameTooLarge
+};
+
+/// What happened to the current frame's slices.
+struct DecodedCounts {
+  std::uint32_t slices = 0;       ///< decoded
+  std::uint32_t refused = 0;      ///< not decodable, by any cause
+  std::uint32_t unknown_key = 0;  ///< of them for want of their key packet
+  std::uint32_t points = 0;
+  std::uint32_t corrections = 0;
+};
+
+/// Usage per frame: begin(), add() for each key packet and slice, finish(); then depth(), cloud().
+class Decoder {
+ public:
+  static std::size_t memory_bytes(const DecoderConfig& config) noexcept;
+  static Result<std::unique_ptr<Decoder>> create(const DecoderConfig& config,
+                                                 std::span<std::byte> memory = {});
+
+  /// Takes a sealed key packet; a known one costs nothing. Statuses of open_packet, read_key_body,
+  /// StreamTables::build.
+  Status set_key(std::span<const std::uint8_t> packet) noexcept;
+
+  /// Starts a frame: clears the image. kUnknownKey before the first key packet.
+  Status begin() noexcept;
+  /// Decodes one slice, in any order. Its failure is counted and returned; others go on.
+  Status add(std::span<const std::uint8_t> slice) noexcept;
+  /// Regenerates the cloud. kUnknownKey before the first key packet.
+  Status finish() noexcept;
+
+  bool ready() const noexcept { return tables_.ready(); }
+  const StreamConfig& config() const noexcept { return tables_.config(); }
+  const StreamTables& tables() const noexcept { return tables_; }
+  const DecodedCounts& counts() const noexcept { return counts_; }
+  /// Depth counts, row-major; empty for raw-cloud streams. Valid until the next begin().
+  std::span<const std::uint16_t> depth() const noexcept;
+  /// 1 + surface number within its slice, 0 off surfaces; empty for raw-cloud streams.
+  std::span<const std::uint8_t> labels() const noexcept;
+  /// Points in the order of pixels; NaN = no reading. Valid until the next begin().
+  std::span<const Point3f> cloud() const noexcept;
+
+ private:
+  Status layout(Arena& arena, const DecoderConfig& config) noexcept;
+  bool raw() const noexcept { return config().kind == FrameKind::kRawCloud; }
+
+  Arena arena_;
+  StreamTables tables_;
+  FrameUnpacker unpacker_;
+  RawFrameUnpacker raw_unpacker_;
+  std::span<std::uint16_t> depth_;
+  std::span<std::uint8_t> labels_;
+  std::span<Point3f> cloud_;
+  DecodedCounts counts_;
+};
+
+}  // namespace planecast

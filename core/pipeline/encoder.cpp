@@ -1,0 +1,162 @@
+#include "core/pipeline/encoder.hpp"
+
+#include <algorithm>
+
+#include "core/wire/key_packet.hpp"
+
+namespace planecast {
+namespace {
+
+FrameLimits limits_of(const EncoderConfig& config) {
+  return {config.stream.camera.width, config.stream.camera.height};
+}
+
+Result<Done> check(const EncoderConfig& config) {
+  if (const Status status = check_config(config.stream); status != Status::kOk) {
+    return Error{status,
+                 "the stream's configuration holds a value outside its range; check the "
+                 "camera, the noise model and the tolerance"};
+  }
+  const std::size_t least =
+      config.stream.kind == FrameKind::kDepth ? kMinSliceBytes : kMinRawSliceBytes;
+  if (config.stages.slice_bytes < least || config.stages.slice_bytes > kFileSliceBytes) {
+    return Error{Status::kBadConfig,
+                 "slices of this stream need at least " + std::to_string(least) + " bytes"};
+  }
+  if (config.stages.range_min > config.stages.range_max) {
+    return Error{Status::kBadConfig, "the range's minimum lies above its maximum"};
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Encoder::~Encoder() {
+  runner_.stop(StopMode::kDiscard);
+}
+
+Status Encoder::layout(Arena& arena) noexcept {
+  const FrameLimits limits = limits_of(config_);
+  tables_.layout(arena, limits);
+  filter_.layout(arena, limits, config_.stream.kind);
+  segment_.layout(arena, limits, config_.stream.kind);
+  fit_.layout(arena, limits, config_.stream.kind);
+  pack_.layout(arena, limits, config_.stream.kind);
+  key_body_ = arena.take<std::uint8_t>(kMaxKeyBodyBytes);
+  slots_ = arena.take<FrameSlot>(config_.runner.slots);
+  for (std::uint32_t i = 0; i < config_.runner.slots; ++i) {
+    FrameSlot measured;
+    (slots_.empty() ? measured : slots_[i]).layout(arena, limits, config_.stream.kind);
+  }
+  const StageRef stages[] = {make_stage_ref(filter_, slots_), make_stage_ref(segment_, slots_),
+                             make_stage_ref(fit_, slots_), make_stage_ref(pack_, slots_)};
+  return runner_.init(arena, config_.runner, stages);
+}
+
+Result<std::size_t> Encoder::memory_bytes(const EncoderConfig& config) {
+  if (const auto checked = check(config); !checked.ok()) return checked.error();
+  Arena arena = Arena::measuring();
+  Encoder encoder(config);
+  if (const Status status = encoder.layout(arena); status != Status::kOk) {
+    return Error{status, "the pipeline needs 1 to 4096 slots"};
+  }
+  return arena.bytes_needed();
+}
+
+Result<std::unique_ptr<Encoder>> Encoder::create(const EncoderConfig& config,
+                                                 std::span<std::byte> memory) {
+  const auto bytes = memory_bytes(config);
+  if (!bytes.ok()) return bytes.error();
+  if (!memory.empty() && memory.size() < *bytes) {
+    return Error{Status::kOutOfArena,
+                 "the encoder needs " + std::to_string(*bytes) + " bytes of memory"};
+  }
+  std::unique_ptr<Encoder> encoder(new Encoder(config));
+  auto arena = memory.empty() ? Arena::map(*bytes, config.memory) : Arena::over(memory);
+  if (!arena.ok()) return arena.error();
+  encoder->arena_ = std::move(*arena);
+  if (const Status status = encoder->layout(encoder->arena_); status != Status::kOk) {
+    return Error{status, "the pipeline's memory could not be laid out"};
+  }
+  encoder->arena_.seal();
+  encoder->key_body_bytes_ = write_key_body(config.stream, encoder->key_body_);
+  const Status status = encoder->tables_.build(
+      config.stream, key_hash(encoder->key_body_.first(encoder->key_body_bytes_)));
+  if (status != Status::kOk) {
+    return Error{
+        status,
+        "the camera's distortion cannot be undone over the whole image; check the coefficients"};
+  }
+  encoder->filter_.bind(encoder->tables_, config.stages);
+  encoder->segment_.bind(encoder->tables_, config.stages);
+  encoder->fit_.bind(encoder->tables_, config.stages);
+  encoder->pack_.bind(encoder->tables_, config.stages);
+  return encoder;
+}
+
+Status Encoder::submit(const DepthView& frame, bool wait) noexcept {
+  if (config_.stream.kind != FrameKind::kDepth ||
+      frame.depth.size() != config_.stream.camera.pixels()) {
+    return Status::kWrongSize;
+  }
+  const auto handle = wait ? runner_.claim_wait() : runner_.claim();
+  if (!handle) return runner_.running() ? Status::kNoSlot : Status::kStopped;
+  FrameSlot& slot = slots_[*handle];
+  slot.number = frame.number;
+  slot.stamp_ns = frame.stamp_ns;
+  slot.submitted_ns = steady_now_ns();
+  std::copy(frame.depth.begin(), frame.depth.end(), slot.depth.begin());
+  return runner_.submit(*handle);
+}
+
+Status Encoder::submit(std::span<const Point3f> points, std::uint64_t number, std::int64_t stamp_ns,
+                       bool wait) noexcept {
+  if (config_.stream.kind != FrameKind::kRawCloud ||
+      points.size() != config_.stream.camera.pixels()) {
+    return Status::kWrongSize;
+  }
+  const auto handle = wait ? runner_.claim_wait() : runner_.claim();
+  if (!handle) return runner_.running() ? Status::kNoSlot : Status::kStopped;
+  FrameSlot& slot = slots_[*handle];
+  slot.number = number;
+  slot.stamp_ns = stamp_ns;
+  slot.submitted_ns = steady_now_ns();
+  std::copy(points.begin(), points.end(), slot.points.begin());
+  return runner_.submit(*handle);
+}
+
+EncodedFrame Encoder::finished(std::uint32_t handle) noexcept {
+  return {runner_.status(handle), &slots_[handle], handle};
+}
+
+bool Encoder::next(EncodedFrame& out) noexcept {
+  std::uint32_t handle = 0;
+  if (!runner_.pop_done(handle)) return false;
+  out = finished(handle);
+  return true;
+}
+
+bool Encoder::try_next(EncodedFrame& out) noexcept {
+  std::uint32_t handle = 0;
+  if (!runner_.try_pop_done(handle)) return false;
+  out = finished(handle);
+  return true;
+}
+
+std::size_t Encoder::key_packet(std::uint64_t frame, std::int64_t stamp_ns,
+                                std::span<std::uint8_t> out) const noexcept {
+  const std::size_t bytes = kPacketHeaderBytes + key_body_bytes_;
+  if (out.size() < bytes) return 0;
+  std::copy_n(key_body_.begin(), key_body_bytes_, out.begin() + kPacketHeaderBytes);
+  PacketHeader header;
+  header.key = true;
+  header.stream = config_.stream.stream;
+  header.frame = static_cast<std::uint32_t>(frame) & kFrameNumberMask;
+  header.stamp_offset =
+      static_cast<std::uint64_t>(stamp_ns - config_.stream.epoch_ns) & 0xffffffffffffULL;
+  header.key_hash = tables_.key_hash();
+  seal_packet(header, out.first(bytes));
+  return bytes;
+}
+
+}  // namespace planecast

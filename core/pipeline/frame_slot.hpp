@@ -1,0 +1,65 @@
+// What one frame in flight owns, stage by stage: carved once from the arena, never moved.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/base/arena.hpp"
+#include "core/model/frame_model.hpp"
+#include "core/model/region_map.hpp"
+#include "core/pipeline/stream_tables.hpp"
+#include "core/wire/frame_pack.hpp"
+
+namespace planecast {
+
+/// Points of a frame by what became of them; every reading of the input is in exactly one of
+/// out_of_range, outliers_dropped, off_surface_dropped and kept.
+struct PointCounts {
+  std::uint32_t input = 0;  ///< readings in the frame as submitted
+  std::uint32_t out_of_range = 0;
+  std::uint32_t outliers = 0;  ///< flagged; dropped only when asked
+  std::uint32_t outliers_dropped = 0;
+  std::uint32_t on_surface = 0;           ///< surfaces contract: within the bound of a surface
+  std::uint32_t off_surface = 0;          ///< surfaces contract: the rest
+  std::uint32_t off_surface_dropped = 0;  ///< of off_surface, when asked
+  std::uint32_t kept = 0;
+};
+
+/// One slot. Fields are written by the stage named and read by later ones.
+struct FrameSlot {
+  // source
+  std::uint64_t number = 0;
+  std::int64_t stamp_ns = 0;
+  std::int64_t submitted_ns = 0;   ///< monotonic clock, frame in memory
+  std::span<std::uint16_t> depth;  ///< source; filter, fit and drop modes clear readings
+  std::span<Point3f> points;       ///< raw-cloud streams
+  // filter
+  std::span<std::uint8_t> outliers;  ///< 1: flagged
+  PointCounts counts;
+  // segment
+  std::span<Cell> cells;
+  std::span<std::uint8_t> cell_labels;
+  RegionMap regions;
+  // fit
+  std::span<BlockLabel> blocks;
+  std::span<Surface> surfaces;
+  std::uint32_t surface_count = 0;
+  std::uint8_t shift = 0;
+  // pack
+  std::span<std::uint8_t> packed;
+  std::span<SlicePlace> places;
+  FrameReport report;
+  std::int64_t packed_ns = 0;  ///< monotonic clock, bytes ready
+
+  /// Takes the slot's memory.
+  void layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept;
+
+  FrameModel model() const noexcept {
+    return {depth, blocks, surfaces.first(surface_count), shift};
+  }
+  std::span<const std::uint8_t> slice(std::uint32_t i) const noexcept {
+    return packed.subspan(places[i].offset, places[i].bytes);
+  }
+};
+
+}  // namespace planecast

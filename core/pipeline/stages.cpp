@@ -1,0 +1,132 @@
+#include "core/pipeline/stages.hpp"
+
+#include <algorithm>
+
+#include "core/fit/on_surface.hpp"
+#include "core/pipeline/stage_stats.hpp"
+
+namespace planecast {
+namespace {
+
+std::uint32_t readings(std::span<const std::uint16_t> depth) noexcept {
+  return static_cast<std::uint32_t>(
+      depth.size() - static_cast<std::size_t>(std::count(depth.begin(), depth.end(), 0)));
+}
+
+}  // namespace
+
+void FilterStage::layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept {
+  if (kind == FrameKind::kDepth) filter_.layout(arena, limits.max_width, limits.max_height);
+}
+
+void FilterStage::bind(const StreamTables& tables, const StageOptions& options) noexcept {
+  tables_ = &tables;
+  options_ = options;
+}
+
+Status FilterStage::process(FrameSlot& slot) noexcept {
+  slot.counts = {};
+  if (tables_->config().kind != FrameKind::kDepth) return Status::kOk;
+  slot.counts.input = readings(slot.depth);
+  if (options_.range_min > 0 || options_.range_max < 65535) {
+    slot.counts.out_of_range = apply_range_gate(slot.depth, options_.range_min, options_.range_max);
+  }
+  OutlierCounts outliers;
+  const CameraModel& camera = tables_->config().camera;
+  const Status status =
+      filter_.process(slot.depth, camera.width, camera.height, {}, slot.outliers, outliers);
+  if (status != Status::kOk) return status;
+  slot.counts.outliers = outliers.outliers;
+  if (options_.drop_outliers)
+    slot.counts.outliers_dropped = drop_flagged(slot.depth, slot.outliers);
+  return Status::kOk;
+}
+
+void SegmentStage::layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept {
+  if (kind == FrameKind::kDepth) segmenter_.layout(arena, limits.max_width, limits.max_height);
+}
+
+void SegmentStage::bind(const StreamTables& tables, const StageOptions& options) noexcept {
+  tables_ = &tables;
+  options_ = options;
+}
+
+Status SegmentStage::process(FrameSlot& slot) noexcept {
+  slot.regions = {};
+  if (tables_->config().kind != FrameKind::kDepth || !options_.surfaces) return Status::kOk;
+  RegionMap found;
+  const Status status = segmenter_.process(tables_->config(), tables_->rays(), slot.depth, found);
+  if (status != Status::kOk) return status;
+  // The segmenter goes on to the next frame while this one is fitted: the slot keeps its own copy.
+  std::copy(found.cells.begin(), found.cells.end(), slot.cells.begin());
+  std::copy(found.labels.begin(), found.labels.end(), slot.cell_labels.begin());
+  slot.regions = found;
+  slot.regions.cells = slot.cells.first(found.cells.size());
+  slot.regions.labels = slot.cell_labels.first(found.labels.size());
+  return Status::kOk;
+}
+
+void FitStage::layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept {
+  if (kind == FrameKind::kDepth) fitter_.layout(arena, limits.max_width, limits.max_height);
+}
+
+void FitStage::bind(const StreamTables& tables, const StageOptions& options) noexcept {
+  tables_ = &tables;
+  options_ = options;
+}
+
+Status FitStage::process(FrameSlot& slot) noexcept {
+  const StreamConfig& config = tables_->config();
+  slot.surface_count = 0;
+  slot.shift = 0;
+  if (config.kind != FrameKind::kDepth) return Status::kOk;
+  std::fill(slot.blocks.begin(), slot.blocks.end(), BlockLabel{});
+  if (!options_.surfaces) return Status::kOk;
+  const FitTables tables{&config, &tables_->rays(), &tables_->levels(), &tables_->bounds()};
+  FitReport report;
+  Status status = fitter_.fit(tables, slot.depth, slot.regions, slot.blocks, slot.surfaces, report);
+  if (status != Status::kOk) return status;
+  slot.surface_count = report.surfaces;
+  slot.shift = report.shift;
+  if (config.tolerance != ToleranceKind::kSurfaces) return Status::kOk;
+  SurfaceCounts counts;
+  status = drop_off_surface(tables, slot.depth, slot.surfaces.first(slot.surface_count),
+                            slot.blocks, config.drop_off_surface, counts);
+  slot.counts.on_surface = counts.on;
+  slot.counts.off_surface = counts.off;
+  if (config.drop_off_surface) slot.counts.off_surface_dropped = counts.off;
+  return status;
+}
+
+void PackStage::layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept {
+  if (kind == FrameKind::kDepth) {
+    packer_.layout(arena, limits.max_width, limits.max_height);
+  } else {
+    raw_packer_.layout(arena, limits.max_width, limits.max_height);
+  }
+}
+
+void PackStage::bind(const StreamTables& tables, const StageOptions& options) noexcept {
+  tables_ = &tables;
+  options_ = options;
+}
+
+Status PackStage::process(FrameSlot& slot) noexcept {
+  const StreamConfig& config = tables_->config();
+  const FrameIdentity identity{config.stream, static_cast<std::uint32_t>(slot.number),
+                               static_cast<std::uint64_t>(slot.stamp_ns - config.epoch_ns),
+                               tables_->key_hash()};
+  slot.report = {};
+  const Status status =
+      config.kind == FrameKind::kDepth
+          ? packer_.pack(tables_->coding(), slot.model(), identity, options_.slice_bytes,
+                         slot.packed, slot.places, slot.report)
+          : raw_packer_.pack(config, slot.points, identity, options_.slice_bytes, slot.packed,
+                             slot.places, slot.report);
+  if (config.kind == FrameKind::kRawCloud) slot.counts.input = slot.report.points;
+  slot.counts.kept = slot.report.points;
+  slot.packed_ns = steady_now_ns();
+  return status;
+}
+
+}  // namespace planecast

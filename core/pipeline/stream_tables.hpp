@@ -1,0 +1,51 @@
+// Everything a half derives from a key packet, in memory taken once: rays, levels, bounds, scale.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/arena.hpp"
+#include "core/predict/bound_table.hpp"
+#include "core/predict/level_table.hpp"
+#include "core/regen/regenerate.hpp"
+#include "core/wire/tile_syntax.hpp"
+
+namespace planecast {
+
+/// Largest frame a pipeline is laid out for.
+struct FrameLimits {
+  std::uint16_t max_width = 640;
+  std::uint16_t max_height = 480;
+  std::uint32_t pixels() const noexcept { return std::uint32_t{max_width} * max_height; }
+};
+
+/// Tables of the current key packet. build() is O(pixels) for a camera with distortion and about
+/// 10 ms otherwise: it runs when a key changes, not once a frame. Read-only between builds.
+class StreamTables {
+ public:
+  void layout(Arena& arena, const FrameLimits& limits) noexcept;
+
+  /// kFrameTooLarge: larger than the limits; kFieldRange: as check_config and build_ray_table say.
+  Status build(const StreamConfig& config, std::uint32_t key_hash) noexcept;
+
+  bool ready() const noexcept { return ready_; }
+  std::uint32_t key_hash() const noexcept { return key_hash_; }
+  const StreamConfig& config() const noexcept { return config_; }
+  const RayTable& rays() const noexcept { return rays_; }
+  const LevelTable& levels() const noexcept { return levels_; }
+  const BoundTable& bounds() const noexcept { return bounds_; }
+  const DepthScale& scale() const noexcept { return scale_; }
+  CodingTables coding() const noexcept { return {&config_, &rays_, &levels_, &bounds_}; }
+
+ private:
+  FrameLimits limits_;
+  bool ready_ = false;
+  std::uint32_t key_hash_ = 0;
+  StreamConfig config_;
+  std::span<std::int32_t> ray_storage_;
+  RayTable rays_;
+  LevelTable levels_;
+  BoundTable bounds_;
+  DepthScale scale_;
+};
+
+}  // namespace planecast

@@ -1,0 +1,68 @@
+#include "core/regen/regenerate.hpp"
+
+#include <limits>
+
+#include "core/sensor/z_grid.hpp"
+
+namespace planecast {
+namespace {
+
+constexpr double kRayUnit = 1.0 / 134217728.0;  // 2^-27
+constexpr float kHole = std::numeric_limits<float>::quiet_NaN();
+
+// p' = R p + t of the cloud's axes, as a matrix computed once a frame.
+struct Axes {
+  double m[3][3];
+  double t[3];
+  bool flip_y;
+};
+
+Axes axes_of(const StreamConfig& config) noexcept {
+  constexpr double kQ30 = 1.0 / 1073741824.0;
+  const double w = config.axes.q_q30[0] * kQ30, x = config.axes.q_q30[1] * kQ30;
+  const double y = config.axes.q_q30[2] * kQ30, z = config.axes.q_q30[3] * kQ30;
+  Axes out{{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+            {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}},
+           {},
+           config.mirror_y};
+  for (int i = 0; i < 3; ++i) out.t[i] = static_cast<double>(config.axes.t_um[i]) * 1e-6;
+  return out;
+}
+
+Point3f turn(const Axes& a, double x, double y, double z) noexcept {
+  if (a.flip_y) y = -y;
+  return {static_cast<float>(a.m[0][0] * x + a.m[0][1] * y + a.m[0][2] * z + a.t[0]),
+          static_cast<float>(a.m[1][0] * x + a.m[1][1] * y + a.m[1][2] * z + a.t[1]),
+          static_cast<float>(a.m[2][0] * x + a.m[2][1] * y + a.m[2][2] * z + a.t[2])};
+}
+
+}  // namespace
+
+void DepthScale::build(const StreamConfig& config) noexcept {
+  const ZGrid grid{config.camera.unit_pm, static_cast<ZGrid::Rule>(config.z_rule)};
+  z_[0] = kHole;
+  for (std::uint32_t d = 1; d < 65536; ++d) z_[d] = grid_z(grid, static_cast<std::uint16_t>(d));
+}
+
+Status regenerate(const StreamConfig& config, const RayTable& rays, const DepthScale& scale,
+                  std::span<const std::uint16_t> depth, std::span<Point3f> out) noexcept {
+  const std::size_t pixels = std::size_t{rays.width} * rays.height;
+  if (depth.size() < pixels || out.size() < pixels) return Status::kWrongSize;
+  const bool optical = config.axes == PoseFixed{} && !config.mirror_y;
+  const Axes axes = axes_of(config);
+  std::size_t i = 0;
+  for (std::uint32_t v = 0; v < rays.height; ++v) {
+    for (std::uint32_t u = 0; u < rays.width; ++u, ++i) {
+      const float z_float = scale.z(depth[i]);  // NaN for a hole, and NaN spreads to x and y
+      const double z = z_float;
+      const double x = rays.x(u, v) * kRayUnit * z;
+      const double y = rays.y(u, v) * kRayUnit * z;
+      out[i] = optical ? Point3f{static_cast<float>(x), static_cast<float>(y), z_float}
+                       : turn(axes, x, y, z);
+    }
+  }
+  return Status::kOk;
+}
+
+}  // namespace planecast
