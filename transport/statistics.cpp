@@ -26,7 +26,7 @@ std::string milliseconds(std::int64_t ns) {
   return text;
 }
 
-std::string histogram_line(std::string_view name, const LatencyHistogram& histogram) {
+std::string histogram_line(std::string_view name, const TransitHistogram& histogram) {
   std::string line = "  ";
   line.append(name).append(" ms  p50 ").append(milliseconds(histogram.quantile_ns(0.5)));
   line.append("  p99 ").append(milliseconds(histogram.quantile_ns(0.99)));

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/status.hpp"
-#include "transport/latency_histogram.hpp"
+#include "transport/transit_histogram.hpp"
 
 namespace planecast {
 
@@ -49,8 +49,8 @@ struct StreamStatistics {
   std::uint64_t resyncs = 0;  ///< jumps of the frame number too large to be loss
 
   double jitter_ns = 0;       ///< interarrival jitter of RFC 3550, first slice of a frame
-  LatencyHistogram assembly;  ///< first slice to handing on
-  LatencyHistogram capture;   ///< stamp to handing on; only with a shared clock
+  TransitHistogram assembly;  ///< first slice to handing on
+  TransitHistogram capture;   ///< stamp to handing on; only with a shared clock
 };
 
 /// What was counted before a packet reached its stream.

@@ -66,7 +66,7 @@ Rgb turbo(double t) {
           byte_of(polynomial(kBlue, x))};
 }
 
-DepthScale scale_of(std::span<const float> z_m) {
+ColourScale scale_of(std::span<const float> z_m) {
   std::vector<float> sorted;
   std::copy_if(z_m.begin(), z_m.end(), std::back_inserter(sorted), reading);
   if (sorted.empty()) return {0.0, 1.0};
@@ -80,7 +80,7 @@ DepthScale scale_of(std::span<const float> z_m) {
 }
 
 Picture depth_picture(std::span<const float> z_m, std::uint32_t width, std::uint32_t height,
-                      DepthScale scale) {
+                      ColourScale scale) {
   const double near_iv = 1.0 / std::max(scale.near_m, 1e-3);
   const double far_iv = 1.0 / std::max(scale.far_m, 1e-3);
   const double span = near_iv - far_iv;

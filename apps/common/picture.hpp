@@ -29,18 +29,18 @@ struct Picture {
 Rgb turbo(double t);
 
 /// The depths drawn blue and red [m]. Give the same scale to pictures that are to be compared.
-struct DepthScale {
+struct ColourScale {
   double near_m = 0, far_m = 0;
 };
 
 /// The scale that shows the middle 96 % of the readings (finite and above 0); 0 to 1 m for none.
-DepthScale scale_of(std::span<const float> z_m);
+ColourScale scale_of(std::span<const float> z_m);
 
 /// Depth [m], row-major; black where there is no reading (0, negative or not finite). Nearness is
 /// coloured by 1/z, so that near things are told apart as well as far ones.
 /// z_m.size() == width * height.
 Picture depth_picture(std::span<const float> z_m, std::uint32_t width, std::uint32_t height,
-                      DepthScale scale);
+                      ColourScale scale);
 
 /// The same for a depth image in units of metres_per_unit; 0 is no reading.
 std::vector<float> metres(std::span<const std::uint16_t> depth, double metres_per_unit);

@@ -58,7 +58,7 @@ TEST(ScaleOf, IsNotMovedByAFewWildReadings) {
   z[3] = 60.0F;
   z[4] = 0.01F;
   z[5] = 0.0F;
-  const DepthScale scale = scale_of(z);
+  const ColourScale scale = scale_of(z);
   EXPECT_NEAR(scale.near_m, 1.02, 0.01);
   EXPECT_NEAR(scale.far_m, 1.98, 0.01);
 }

@@ -13,10 +13,10 @@
 
 namespace planecast {
 
-TEST(LatencyHistogram, QuantilesAreWithinAQuarterOfTheTruth) {
+TEST(TransitHistogram, QuantilesAreWithinAQuarterOfTheTruth) {
   Pcg32 random(3);
   std::vector<std::int64_t> samples;
-  LatencyHistogram histogram;
+  TransitHistogram histogram;
   for (int i = 0; i < 3'000; ++i) {
     const std::int64_t ns = 1'000'000 + random.below(40'000'000);
     samples.push_back(ns);
@@ -33,8 +33,8 @@ TEST(LatencyHistogram, QuantilesAreWithinAQuarterOfTheTruth) {
   EXPECT_EQ(histogram.quantile_ns(1.0), samples.back());
 }
 
-TEST(LatencyHistogram, TakesAnyValue) {
-  LatencyHistogram histogram;
+TEST(TransitHistogram, TakesAnyValue) {
+  TransitHistogram histogram;
   EXPECT_EQ(histogram.quantile_ns(0.5), 0);
   for (const std::int64_t ns :
        {std::int64_t{-5}, std::int64_t{0}, std::int64_t{999}, std::int64_t{3'600'000'000'000},
@@ -45,9 +45,9 @@ TEST(LatencyHistogram, TakesAnyValue) {
   EXPECT_LE(histogram.quantile_ns(0.5), 1000);
 }
 
-TEST(LatencyHistogram, EveryBucketsEdgeIsAboveItsSamples) {
+TEST(TransitHistogram, EveryBucketsEdgeIsAboveItsSamples) {
   for (std::int64_t us = 1; us < 10'000'000; us += 1 + us / 50) {
-    LatencyHistogram histogram;
+    TransitHistogram histogram;
     histogram.add(us * 1000);
     histogram.add(std::int64_t{60'000'000'000});
     EXPECT_GE(histogram.quantile_ns(0.5), us * 1000);

@@ -10,7 +10,7 @@
 
 namespace planecast {
 
-class LatencyHistogram {
+class TransitHistogram {
  public:
   /// Adds one time [ns]; a negative one counts as zero. O(1), allocates nothing.
   void add(std::int64_t ns) noexcept {
