@@ -81,11 +81,31 @@ Status Decoder::add(std::span<const std::uint8_t> slice) noexcept {
     ++counts_.slices;
     counts_.points += content.points;
     counts_.corrections += content.corrections;
+    if (content.surfaces > 0) number_surfaces(content);
   } else {
     ++counts_.refused;
     if (status == Status::kUnknownKey) ++counts_.unknown_key;
   }
   return status;
+}
+
+// A surface that crosses several tiles travels in each with the same coefficients: that is how it
+// is known again. Beyond 255, which no encoder sends, surfaces share the last number.
+void Decoder::number_surfaces(const TileContent& tile) noexcept {
+  std::array<std::uint8_t, kMaxSurfaces + 1> number{};
+  for (std::uint32_t i = 0; i < tile.surfaces; ++i) {
+    std::uint32_t n = 0;
+    while (n < counts_.surfaces && surfaces_[n] != tile.surface[i]) ++n;
+    if (n == counts_.surfaces && n < surfaces_.size())
+      surfaces_[counts_.surfaces++] = tile.surface[i];
+    number[i + 1] = static_cast<std::uint8_t>(std::min<std::size_t>(n + 1, surfaces_.size()));
+  }
+  const CameraModel& camera = config().camera;
+  const TileSpan span = tile_span(camera, tile.rect);
+  for (std::uint32_t v = span.v0; v < span.v1; ++v) {
+    const auto row = labels_.subspan(std::size_t{v} * camera.width + span.u0, span.u1 - span.u0);
+    for (std::uint8_t& label : row) label = number[label];
+  }
 }
 
 Status Decoder::finish() noexcept {

@@ -2,6 +2,7 @@
 // fixed memory; no segmentation is linked by it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -24,6 +25,7 @@ struct DecodedCounts {
   std::uint32_t unknown_key = 0;  ///< of them for want of their key packet
   std::uint32_t points = 0;
   std::uint32_t corrections = 0;
+  std::uint32_t surfaces = 0;  ///< different ones; slices repeat those they share
 };
 
 /// Usage per frame: begin(), add() for each key packet and slice, finish(); then depth(), cloud().
@@ -50,13 +52,15 @@ class Decoder {
   const DecodedCounts& counts() const noexcept { return counts_; }
   /// Depth counts, row-major; empty for raw-cloud streams. Valid until the next begin().
   std::span<const std::uint16_t> depth() const noexcept;
-  /// 1 + surface number within its slice, 0 off surfaces; empty for raw-cloud streams.
+  /// 1 + surface number within the frame, 0 off surfaces; empty for raw-cloud streams. Surfaces
+  /// are numbered in the order in which the slices were added.
   std::span<const std::uint8_t> labels() const noexcept;
   /// Points in the order of pixels; NaN = no reading. Valid until the next begin().
   std::span<const Point3f> cloud() const noexcept;
 
  private:
   Status layout(Arena& arena, const DecoderConfig& config) noexcept;
+  void number_surfaces(const TileContent& tile) noexcept;
   bool raw() const noexcept { return config().kind == FrameKind::kRawCloud; }
 
   Arena arena_;
@@ -67,6 +71,7 @@ class Decoder {
   std::span<std::uint8_t> labels_;
   std::span<Point3f> cloud_;
   DecodedCounts counts_;
+  std::array<Surface, 255> surfaces_{};  ///< of the current frame; counts_.surfaces are in use
 };
 
 }  // namespace planecast

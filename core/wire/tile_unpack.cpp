@@ -77,8 +77,9 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   if (status != Status::kOk) {
     for (std::uint32_t v = job.span.v0; v < job.span.v1; ++v) {
       const std::size_t begin = std::size_t{v} * job.width() + job.span.u0;
-      std::fill_n(target.depth.begin() + static_cast<std::ptrdiff_t>(begin),
-                  job.span.u1 - job.span.u0, std::uint16_t{0});
+      const std::uint32_t wide = job.span.u1 - job.span.u0;
+      std::fill_n(target.depth.data() + begin, wide, std::uint16_t{0});
+      if (!target.labels.empty()) std::fill_n(target.labels.data() + begin, wide, std::uint8_t{0});
     }
   }
   return status;
@@ -111,6 +112,7 @@ Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
       const Status status = read_coefficient(coder, shift, job.surfaces[i].*coefficient);
       if (status != Status::kOk) return status;
     }
+    content.surface[i - 1] = job.surfaces[i];
   }
   return Status::kOk;
 }

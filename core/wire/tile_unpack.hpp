@@ -2,6 +2,7 @@
 // Decoder half: every field is bounded before it is believed, nothing is allocated.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -15,9 +16,10 @@ namespace planecast {
 /// What one tile held.
 struct TileContent {
   TileRect rect;
-  std::uint32_t points = 0;       ///< readings decoded
-  std::uint32_t corrections = 0;  ///< of them with a correction that is not zero
-  std::uint32_t surfaces = 0;     ///< surfaces the tile carries
+  std::uint32_t points = 0;                     ///< readings decoded
+  std::uint32_t corrections = 0;                ///< of them with a correction that is not zero
+  std::uint32_t surfaces = 0;                   ///< surfaces the tile carries
+  std::array<Surface, kMaxSurfaces> surface{};  ///< the first `surfaces` are in use
   bool verbatim = false;
 };
 
