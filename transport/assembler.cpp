@@ -19,6 +19,7 @@ std::string config_mistake(const AssemblerConfig& config) {
   if (config.max_frame_bytes < 1 || config.max_frame_bytes > (1U << 30U))
     return "max_frame_bytes must be 1 byte to 1 GiB";
   if (config.max_key_bytes > (1U << 20U)) return "max_key_bytes must be at most 1 MiB";
+  if (config.frame_bits < 16 || config.frame_bits > 32) return "frame_bits must be 16 to 32";
   if (config.frames_in_assembly < 1 || config.frames_in_assembly > StreamAssembler::kMaxInAssembly)
     return "frames_in_assembly must be 1 to 8";
   if (config.output_frames < 1 || config.output_frames > 256)

@@ -24,6 +24,7 @@ struct AssemblerConfig {
   std::uint32_t max_slices = 2048;            ///< slices a frame, 1 .. 65535
   std::uint32_t max_frame_bytes = 2U << 20U;  ///< packets of one frame together
   std::uint32_t max_key_bytes = 1500;         ///< largest key packet
+  std::uint8_t frame_bits = 32;               ///< 16 .. 32; frame numbers wrap at 2^frame_bits
   std::uint16_t frames_in_assembly = 2;       ///< 1 .. 8; frame n + this closes frame n
   std::uint16_t output_frames = 1;            ///< finished frames kept; 1: the newest only
   std::uint16_t held_frames = 1;              ///< frames the consumer holds at a time

@@ -13,7 +13,7 @@ namespace planecast {
 struct PacketInfo {
   std::uint32_t session = 0;      ///< random per start of the sender
   std::uint16_t stream = 0;       ///< which sensor
-  std::uint32_t frame = 0;        ///< counts by one, wraps
+  std::uint32_t frame = 0;        ///< counts by one, wraps at 2^frame_bits of the assembler
   std::uint16_t slice = 0;        ///< 0 .. slice_count - 1; not used for a key packet
   std::uint16_t slice_count = 0;  ///< slices of the frame, at least 1; not used for a key packet
   bool key = false;               ///< a key packet: it belongs to `frame` but is none of its slices
@@ -26,9 +26,12 @@ struct PacketInfo {
 /// failure as malformed.
 using ParseFn = Status (*)(std::span<const std::uint8_t> packet, PacketInfo& out) noexcept;
 
-/// Signed distance from frame number `from` to `to`, right across the wrap at 2^32.
-inline std::int32_t frame_distance(std::uint32_t from, std::uint32_t to) noexcept {
-  return static_cast<std::int32_t>(to - from);
+/// Signed distance from frame number `from` to `to`, right across the wrap at 2^bits (16..32). Bits
+/// above are ignored.
+inline std::int32_t frame_distance(std::uint32_t from, std::uint32_t to,
+                                   unsigned bits = 32) noexcept {
+  const unsigned unused = 32 - bits;
+  return static_cast<std::int32_t>((to - from) << unused) >> unused;
 }
 
 }  // namespace planecast

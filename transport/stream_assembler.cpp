@@ -124,7 +124,7 @@ void StreamAssembler::restart_numbers(std::uint32_t frame) noexcept {
 }
 
 StreamAssembler::Place StreamAssembler::place(std::uint32_t frame, std::int64_t now_ns) noexcept {
-  const std::int32_t ahead = frame_distance(last_closed_, frame);
+  const std::int32_t ahead = distance(last_closed_, frame);
   if (ahead > kMaxJump || ahead < -kMaxJump) {
     hand_on_through(newest_, now_ns);
     ++statistics_.resyncs;
@@ -132,11 +132,11 @@ StreamAssembler::Place StreamAssembler::place(std::uint32_t frame, std::int64_t 
     return Place::kCurrent;
   }
   if (ahead <= 0) return Place::kOld;
-  if (frame_distance(newest_, frame) > 0) newest_ = frame;
+  if (distance(newest_, frame) > 0) newest_ = frame;
   const auto closes = static_cast<std::uint32_t>(config_.frames_in_assembly);
   const std::uint32_t too_old = newest_ - closes;
   hand_on_through(too_old, now_ns);
-  return frame_distance(frame, too_old) >= 0 ? Place::kOld : Place::kCurrent;
+  return distance(frame, too_old) >= 0 ? Place::kOld : Place::kCurrent;
 }
 
 void StreamAssembler::take_key(std::span<const std::uint8_t> packet, const PacketInfo& info,
@@ -145,7 +145,7 @@ void StreamAssembler::take_key(std::span<const std::uint8_t> packet, const Packe
   const bool have_key = key_serial_ >= first_key_serial_;
   const Key& last = keys_[key_serial_ % key_slots_];
   if (packet.size() > config_.max_key_bytes ||
-      (have_key && frame_distance(last.frame, info.frame) <= 0)) {
+      (have_key && distance(last.frame, info.frame) <= 0)) {
     ++statistics_.keys_ignored;
     return;
   }
@@ -251,7 +251,7 @@ void StreamAssembler::measure_jitter(const PacketInfo& info, std::int64_t now_ns
 int StreamAssembler::oldest_pending() const noexcept {
   int oldest = pending_[0];
   for (std::size_t i = 1; i < pending_count_; ++i)
-    if (frame_distance(slots_[oldest].frame, slots_[pending_[i]].frame) < 0) oldest = pending_[i];
+    if (distance(slots_[oldest].frame, slots_[pending_[i]].frame) < 0) oldest = pending_[i];
   return oldest;
 }
 
@@ -265,7 +265,7 @@ void StreamAssembler::remove_pending(int slot) noexcept {
 void StreamAssembler::hand_on_through(std::uint32_t frame, std::int64_t now_ns) noexcept {
   while (pending_count_ > 0) {
     const int slot = oldest_pending();
-    if (frame_distance(slots_[slot].frame, frame) < 0) return;
+    if (distance(slots_[slot].frame, frame) < 0) return;
     hand_on(slot, now_ns);
   }
 }
@@ -279,8 +279,7 @@ void StreamAssembler::hand_on(int slot, std::int64_t now_ns) noexcept {
   statistics_.slices_delivered += frame.slices_received;
   statistics_.slices_lost += static_cast<std::uint64_t>(frame.slice_count - frame.slices_received);
   if (counts_lost_)
-    statistics_.frames_lost +=
-        static_cast<std::uint64_t>(frame_distance(last_closed_, frame.frame) - 1);
+    statistics_.frames_lost += static_cast<std::uint64_t>(distance(last_closed_, frame.frame) - 1);
   counts_lost_ = true;
   last_closed_ = frame.frame;
   closed_[closed_next_++ % closed_.size()] = {frame.frame, true, frame.complete()};
@@ -307,7 +306,7 @@ void StreamAssembler::attach_key(AssembledFrame& frame) const noexcept {
   // Newest first; when all are newer than the frame the oldest is as good as any: slices name the
   // key they need by its hash.
   for (std::uint32_t i = 1; i < kept; ++i, --serial)
-    if (frame_distance(keys_[serial % key_slots_].frame, frame.frame) >= 0) break;
+    if (distance(keys_[serial % key_slots_].frame, frame.frame) >= 0) break;
   const Key& key = keys_[serial % key_slots_];
   std::memcpy(frame.key_, key.data, key.bytes);
   frame.key_bytes_ = key.bytes;

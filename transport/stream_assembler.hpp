@@ -57,6 +57,9 @@ class StreamAssembler {
     bool complete = false;
   };
 
+  std::int32_t distance(std::uint32_t from, std::uint32_t to) const noexcept {
+    return frame_distance(from, to, config_.frame_bits);
+  }
   bool enter_session(const PacketInfo& info, std::int64_t now_ns) noexcept;
   bool retired(std::uint32_t session) const noexcept;
   void start_session(const PacketInfo& info) noexcept;
