@@ -107,11 +107,12 @@ void FramePacker::estimate_costs(const CodingTables& tables, const FrameModel& f
   std::fill_n(cost_sums_.begin(), wide + 1, 0U);
   for (std::uint32_t by = 0; by < high; ++by) {
     std::uint32_t row = 0;
+    const std::uint32_t* above = &cost_sums_[std::size_t{by} * (wide + 1)];
     std::uint32_t* sums = &cost_sums_[std::size_t{by + 1} * (wide + 1)];
     sums[0] = 0;
     for (std::uint32_t bx = 0; bx < wide; ++bx) {
       row += block_cost(tables, frame, bx, by);
-      sums[bx + 1] = sums[bx + 1 - (wide + 1)] + row;
+      sums[bx + 1] = above[bx + 1] + row;
     }
   }
 }
