@@ -22,6 +22,7 @@ Status check_config(const StreamConfig& config) noexcept {
       config.noise.kind <= NoiseModel::Kind::kTof;
   if (!kinds || config.period_ms == 0) return Status::kFieldRange;
   if (config.lattice.offset_q16 > 0xffff) return Status::kFieldRange;
+  if (config.lattice.present() && config.lattice.c_q8 < kMinLatticeCQ8) return Status::kFieldRange;
   const bool needs_sigma =
       config.tolerance == ToleranceKind::kSigma || config.tolerance == ToleranceKind::kSurfaces;
   if (needs_sigma && config.sigmas_q16 == 0) return Status::kFieldRange;

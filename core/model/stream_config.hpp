@@ -26,6 +26,9 @@ enum class ToleranceKind : std::uint8_t {
   kSurfaces = 3,  ///< on-surface points carry no correction; the bound is K sigma
 };
 
+/// Least C of a lattice, in 1/256 count: below two counts its spacing reaches the whole range.
+inline constexpr std::uint32_t kMinLatticeCQ8 = 512;
+
 /// Levels of a sensor whose depth is C / (k + offset), k = 1, 2, ..., rounded or cut to whole
 /// counts; c_q8 = 0: every depth count is a level. C in depth counts.
 struct Lattice {

@@ -10,19 +10,27 @@ namespace {
 constexpr std::uint32_t kCounts = 65536;
 constexpr std::uint32_t kMaxErrorQ8 = 65535U * 256U;
 
-// n sigma of a reading in 1/256 count, rounded down. Stereo: S z^2, time of flight: S.
+__extension__ using UInt128 = unsigned __int128;
+
+// Sigmas are cut here, so that any multiple of one fits 64 bits.
+constexpr std::uint64_t kMaxSigmaQ8 = std::uint64_t{1} << 31U;
+
+// Sigma of a reading in 1/256 count, rounded down. Stereo: S z^2, time of flight: S.
 std::uint64_t sigma_q8(const NoiseModel& noise, std::uint64_t unit_pm,
                        std::uint32_t depth) noexcept {
   if (noise.kind == NoiseModel::Kind::kTof) {
-    return std::uint64_t{noise.s_e9} * 1000 * 256 / unit_pm;  // S in 1e-9 m = 1000 pm
+    const std::uint64_t sigma =
+        std::uint64_t{noise.s_e9} * 1000 * 256 / unit_pm;  // 1e-9 m = 1000 pm
+    return std::min(sigma, kMaxSigmaQ8);
   }
   if (noise.kind != NoiseModel::Kind::kStereo) return 0;
   const std::uint64_t z_um =
       std::min<std::uint64_t>(depth * unit_pm / 1'000'000, std::uint64_t{1} << 27U);
   // S [1e-9/m] z^2 [1e-12 m^2] / unit [1e-12 m] * 256 = (z^2 >> 12) S 4096 * 256e-9 / unit_pm,
   // and 4096 * 256e-9 = 1.048576e-3; 1048/1e6 rounds towards the stricter side.
-  const std::uint64_t product = ((z_um * z_um) >> 12U) * noise.s_e9 / 1000;
-  return product / 1000 * 1048 / unit_pm;
+  const UInt128 product = UInt128{(z_um * z_um) >> 12U} * noise.s_e9 / 1000;
+  const UInt128 sigma = product / 1000 * 1048 / unit_pm;
+  return sigma < kMaxSigmaQ8 ? static_cast<std::uint64_t>(sigma) : kMaxSigmaQ8;
 }
 
 }  // namespace
@@ -61,9 +69,9 @@ void BoundTable::build_errors(const StreamConfig& config) noexcept {
         error_q8 = (sigma_q8(config.noise, unit_pm, depth) * config.sigmas_q16) >> 16U;
         break;
     }
-    // What float32 coordinates round away: 2^-23 of the distance, and a little for the camera's
-    // own rounding to the wire.
-    const std::uint64_t slack = 1 + (depth >> 13U);
+    // What float32 coordinates round away, 2^-24 of a distance of at most 11.4 depths (rays end
+    // at |x| = |y| = 8), and a little for the camera's own rounding to the wire.
+    const std::uint64_t slack = 1 + (depth >> 12U);
     error_q8_[depth] = static_cast<std::uint32_t>(
         error_q8 <= slack ? 0 : std::min<std::uint64_t>(error_q8 - slack, kMaxErrorQ8));
   }

@@ -28,7 +28,7 @@ Status LevelTable::build(const Lattice& lattice) noexcept {
   // Nearer than sqrt(C) the spacing of the lattice is below one count: every count is a level.
   std::uint32_t dense = kCounts - 1;
   if (lattice.present()) {
-    if (lattice.c_q8 < 512) return Status::kFieldRange;
+    if (lattice.c_q8 < kMinLatticeCQ8) return Status::kFieldRange;
     dense = floor_sqrt(lattice.c_q8 >> 8U);
     if (dense > kCounts - 1) dense = kCounts - 1;
   }

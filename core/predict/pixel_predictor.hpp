@@ -73,7 +73,7 @@ struct ActivityTable {
 };
 inline constexpr ActivityTable kActivity{};
 
-/// 0.9 / weight in Q16 for weight sums 0..9 (l 4, u 4, ur 2, ul 1 gives at most 11).
+/// 0.9 / weight in Q16 for weight sums 0..11 (l 4, u 4, ur 2, ul 1).
 inline constexpr std::array<std::int32_t, 12> kDriftScale = {
     0, 58982, 29491, 19661, 14746, 11796, 9830, 8426, 7373, 6554, 5898, 5362};
 

@@ -1,6 +1,6 @@
 #include "core/regen/regenerate.hpp"
 
-#include <limits>
+#include <bit>
 
 #include "core/sensor/z_grid.hpp"
 
@@ -8,7 +8,7 @@ namespace planecast {
 namespace {
 
 constexpr double kRayUnit = 1.0 / 134217728.0;  // 2^-27
-constexpr float kHole = std::numeric_limits<float>::quiet_NaN();
+const float kHole = std::bit_cast<float>(std::uint32_t{0x7fc00000});
 
 // p' = R p + t of the cloud's axes, as a matrix computed once a frame.
 struct Axes {
@@ -54,7 +54,11 @@ Status regenerate(const StreamConfig& config, const RayTable& rays, const DepthS
   std::size_t i = 0;
   for (std::uint32_t v = 0; v < rays.height; ++v) {
     for (std::uint32_t u = 0; u < rays.width; ++u, ++i) {
-      const float z_float = scale.z(depth[i]);  // NaN for a hole, and NaN spreads to x and y
+      if (depth[i] == 0) {  // written out: which NaN arithmetic gives differs between machines
+        out[i] = {kHole, kHole, kHole};
+        continue;
+      }
+      const float z_float = scale.z(depth[i]);
       const double z = z_float;
       const double x = rays.x(u, v) * kRayUnit * z;
       const double y = rays.y(u, v) * kRayUnit * z;

@@ -147,9 +147,12 @@ Status read_key_body(std::span<const std::uint8_t> body, StreamConfig& config) n
   pose_fields(config, get);
   get(id_bytes);
   if (!r.ok()) return Status::kTruncated;
+  // Before 1.0 a minor version may change anything, the trained constants for one.
+  if (minor != kWireMinor) return Status::kUnsupportedVersion;
   if ((flags & ~kFlags) != 0) return Status::kReservedBits;
   if (id_bytes > kMaxFrameIdBytes) return Status::kFieldRange;
   for (std::uint8_t i = 0; i < id_bytes; ++i) get(config.frame_id[i]);
+  if (r.ok() && ::strnlen(config.frame_id.data(), id_bytes) != id_bytes) return Status::kFieldRange;
   get(blocks);
   for (std::uint8_t i = 0; i < blocks && r.ok(); ++i) {
     // An attribute block: type, then its length; types are skipped until a version defines them.

@@ -25,6 +25,8 @@ struct PacketHeader {
   std::uint16_t slice = 0;         ///< 0 .. slice_count-1; 0 in a key packet
   std::uint16_t slice_count = 0;   ///< 1 .. 65535; 0 in a key packet
   std::uint32_t key_hash = 0;
+
+  friend bool operator==(const PacketHeader&, const PacketHeader&) = default;
 };
 
 /// Writes the header over packet[0..24) and the check over the whole packet. `packet` holds the

@@ -27,9 +27,10 @@ void append_le(std::vector<std::uint8_t>& bytes, T value) {
   store_le<T>(bytes.data() + at, value);
 }
 
-// What slices of one frame share.
-std::uint64_t frame_id(const PacketHeader& h) {
-  return std::uint64_t{h.stream} << 56U | std::uint64_t{h.frame} << 32U | h.key_hash;
+// What slices of one frame share: the whole header but the slice's own number.
+PacketHeader frame_of(PacketHeader header) {
+  header.slice = 0;
+  return header;
 }
 
 Error error_at(Status status, std::size_t byte, const std::string& what) {
@@ -108,16 +109,17 @@ class Collector {
       ++contents_.orphan_slices;
       return;
     }
-    PlcFrame* last = contents_.frames.empty() ? nullptr : &contents_.frames.back();
-    if (last == nullptr || last_id_ != frame_id(header) ||
-        last->slice_count != header.slice_count) {
-      contents_.frames.push_back({header.stream, header.frame, header.stamp_offset,
-                                  header.slice_count, contents_.keys[*key], {}});
+    if (contents_.frames.empty() || last_ != frame_of(header)) {
+      contents_.frames.push_back({header.stream,
+                                  header.frame,
+                                  header.stamp_offset,
+                                  header.slice_count,
+                                  contents_.keys[*key],
+                                  {}});
       places_.push_back({offset, keys_[*key].offset});
-      last = &contents_.frames.back();
-      last_id_ = frame_id(header);
+      last_ = frame_of(header);
     }
-    last->slices.push_back(packet);
+    contents_.frames.back().slices.push_back(packet);
   }
 
   const std::vector<PlcPlace>& places() const { return places_; }
@@ -138,7 +140,7 @@ class Collector {
   PlcContents& contents_;
   std::vector<Key> keys_;
   std::vector<PlcPlace> places_;
-  std::uint64_t last_id_ = 0;
+  PacketHeader last_;
 };
 
 }  // namespace
@@ -161,8 +163,8 @@ Status PlcWriter::add_packet(std::span<const std::uint8_t> packet) {
       return k.stream == header.stream && k.hash == header.key_hash;
     });
     if (key == keys_.rend()) return Status::kBadConfig;
-    if (open_frame_ != frame_id(header)) index_.push_back({offset, key->offset});
-    open_frame_ = frame_id(header);
+    if (open_frame_ != frame_of(header)) index_.push_back({offset, key->offset});
+    open_frame_ = frame_of(header);
   }
   append_le(bytes_, static_cast<std::uint32_t>(packet.size()));
   bytes_.insert(bytes_.end(), packet.begin(), packet.end());
@@ -201,7 +203,8 @@ Result<PlcContents> read_plc(std::span<const std::uint8_t> bytes) {
       const auto same = [](const PlcPlace& a, const PlcPlace& b) {
         return a.offset == b.offset && a.key_offset == b.key_offset;
       };
-      if (whole && !std::equal(found.begin(), found.end(), (*index)->begin(), (*index)->end(), same))
+      if (whole &&
+          !std::equal(found.begin(), found.end(), (*index)->begin(), (*index)->end(), same))
         return error_at(Status::kBadCheck, at, "the index does not fit the records");
       contents.complete = true;
       return contents;

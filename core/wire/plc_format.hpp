@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/status.hpp"
+#include "core/wire/packet_header.hpp"
 
 namespace planecast {
 
@@ -48,7 +49,7 @@ class PlcWriter {
   std::vector<std::uint8_t>& bytes_;
   std::vector<IndexEntry> index_;
   std::vector<Key> keys_;
-  std::optional<std::uint64_t> open_frame_;  ///< stream, frame and hash of the slices coming in
+  std::optional<PacketHeader> open_frame_;  ///< what the slices coming in share
   bool finished_ = false;
 };
 
