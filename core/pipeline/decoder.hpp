@@ -31,7 +31,11 @@ struct DecodedCounts {
 /// Usage per frame: begin(), add() for each key packet and slice, finish(); then depth(), cloud().
 class Decoder {
  public:
+  /// Exact bytes that create() maps for this configuration.
   static std::size_t memory_bytes(const DecoderConfig& config) noexcept;
+
+  /// Takes all memory: maps it, or uses `memory` (the caller's, 64-byte aligned, memory_bytes()
+  /// long, to outlive the decoder). kOutOfArena, kBadConfig.
   static Result<std::unique_ptr<Decoder>> create(const DecoderConfig& config,
                                                  std::span<std::byte> memory = {});
 
@@ -50,6 +54,7 @@ class Decoder {
   const StreamConfig& config() const noexcept { return tables_.config(); }
   const StreamTables& tables() const noexcept { return tables_; }
   const DecodedCounts& counts() const noexcept { return counts_; }
+  std::size_t memory_in_use() const noexcept { return arena_.bytes_used(); }
   /// Depth counts, row-major; empty for raw-cloud streams. Valid until the next begin().
   std::span<const std::uint16_t> depth() const noexcept;
   /// 1 + surface number within the frame, 0 off surfaces; empty for raw-cloud streams. Surfaces

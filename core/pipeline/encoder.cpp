@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "core/ring/slot_pool.hpp"
 #include "core/wire/key_packet.hpp"
 
 namespace planecast {
 namespace {
+
+constexpr std::size_t kStages = 4;
 
 FrameLimits limits_of(const EncoderConfig& config) {
   return {config.stream.camera.width, config.stream.camera.height};
@@ -15,16 +18,29 @@ Result<Done> check(const EncoderConfig& config) {
   if (const Status status = check_config(config.stream); status != Status::kOk) {
     return Error{status,
                  "the stream's configuration holds a value outside its range; check the "
-                 "camera, the noise model and the tolerance"};
+                 "camera, the depth lattice, the noise model and the tolerance"};
+  }
+  const StreamConfig& stream = config.stream;
+  const bool in_sigmas =
+      stream.tolerance == ToleranceKind::kSigma || stream.tolerance == ToleranceKind::kSurfaces;
+  if (in_sigmas && stream.noise.kind == NoiseModel::Kind::kUnknown) {
+    return Error{Status::kBadConfig, "a tolerance in sigmas needs a noise model"};
   }
   const std::size_t least =
       config.stream.kind == FrameKind::kDepth ? kMinSliceBytes : kMinRawSliceBytes;
   if (config.stages.slice_bytes < least || config.stages.slice_bytes > kFileSliceBytes) {
-    return Error{Status::kBadConfig,
-                 "slices of this stream need at least " + std::to_string(least) + " bytes"};
+    return Error{Status::kBadConfig, "slices of this stream have " + std::to_string(least) +
+                                         " to " + std::to_string(kFileSliceBytes) + " bytes, not " +
+                                         std::to_string(config.stages.slice_bytes)};
   }
   if (config.stages.range_min > config.stages.range_max) {
     return Error{Status::kBadConfig, "the range's minimum lies above its maximum"};
+  }
+  // Before the layout, which visits every slot.
+  if (StageRunner::memory_bytes(config.runner, kStages) == 0) {
+    return Error{Status::kBadConfig, "the pipeline needs 1 to " +
+                                         std::to_string(SlotPool::kMaxSlots) +
+                                         " slots, a spin time up to 1 s and a priority up to 99"};
   }
   return Done{};
 }
@@ -48,8 +64,9 @@ Status Encoder::layout(Arena& arena) noexcept {
     FrameSlot measured;
     (slots_.empty() ? measured : slots_[i]).layout(arena, limits, config_.stream.kind);
   }
-  const StageRef stages[] = {make_stage_ref(filter_, slots_), make_stage_ref(segment_, slots_),
-                             make_stage_ref(fit_, slots_), make_stage_ref(pack_, slots_)};
+  const StageRef stages[kStages] = {make_stage_ref(filter_, slots_),
+                                    make_stage_ref(segment_, slots_), make_stage_ref(fit_, slots_),
+                                    make_stage_ref(pack_, slots_)};
   return runner_.init(arena, config_.runner, stages);
 }
 
@@ -58,7 +75,7 @@ Result<std::size_t> Encoder::memory_bytes(const EncoderConfig& config) {
   Arena arena = Arena::measuring();
   Encoder encoder(config);
   if (const Status status = encoder.layout(arena); status != Status::kOk) {
-    return Error{status, "the pipeline needs 1 to 4096 slots"};
+    return Error{status, "the pipeline cannot be laid out"};
   }
   return arena.bytes_needed();
 }
@@ -152,8 +169,7 @@ std::size_t Encoder::key_packet(std::uint64_t frame, std::int64_t stamp_ns,
   header.key = true;
   header.stream = config_.stream.stream;
   header.frame = static_cast<std::uint32_t>(frame) & kFrameNumberMask;
-  header.stamp_offset =
-      static_cast<std::uint64_t>(stamp_ns - config_.stream.epoch_ns) & 0xffffffffffffULL;
+  header.stamp_offset = stamp_offset(stamp_ns, config_.stream.epoch_ns);
   header.key_hash = tables_.key_hash();
   seal_packet(header, out.first(bytes));
   return bytes;

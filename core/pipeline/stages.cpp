@@ -114,8 +114,7 @@ void PackStage::bind(const StreamTables& tables, const StageOptions& options) no
 Status PackStage::process(FrameSlot& slot) noexcept {
   const StreamConfig& config = tables_->config();
   const FrameIdentity identity{config.stream, static_cast<std::uint32_t>(slot.number),
-                               static_cast<std::uint64_t>(slot.stamp_ns - config.epoch_ns),
-                               tables_->key_hash()};
+                               stamp_offset(slot.stamp_ns, config.epoch_ns), tables_->key_hash()};
   slot.report = {};
   const Status status =
       config.kind == FrameKind::kDepth

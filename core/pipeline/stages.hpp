@@ -14,6 +14,12 @@
 
 namespace planecast {
 
+/// A stamp as packets carry it: [ns] since the stream's epoch, modulo 2^48. Any two stamps.
+constexpr std::uint64_t stamp_offset(std::int64_t stamp_ns, std::int64_t epoch_ns) noexcept {
+  return (static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(epoch_ns)) &
+         0xffffffffffffU;
+}
+
 /// What stages need to know beside the stream's tables.
 struct StageOptions {
   std::size_t slice_bytes = 1190;  ///< most bytes of a slice, header included

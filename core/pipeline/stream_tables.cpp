@@ -11,11 +11,11 @@ void StreamTables::layout(Arena& arena, const FrameLimits& limits) noexcept {
 }
 
 Status StreamTables::build(const StreamConfig& config, std::uint32_t key_hash) noexcept {
-  ready_ = false;
   if (const Status status = check_config(config); status != Status::kOk) return status;
   if (config.camera.width > limits_.max_width || config.camera.height > limits_.max_height) {
     return Status::kFrameTooLarge;
   }
+  ready_ = false;
   config_ = config;
   key_hash_ = key_hash;
   Status status = build_ray_table(config_.camera, ray_storage_, rays_);

@@ -25,6 +25,8 @@ class StreamTables {
   void layout(Arena& arena, const FrameLimits& limits) noexcept;
 
   /// kFrameTooLarge: larger than the limits; kFieldRange: as check_config and build_ray_table say.
+  /// What is refused by its numbers alone leaves the current tables in use; a camera whose
+  /// distortion cannot be undone, or a lattice out of range, leaves none.
   Status build(const StreamConfig& config, std::uint32_t key_hash) noexcept;
 
   bool ready() const noexcept { return ready_; }
