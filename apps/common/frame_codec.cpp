@@ -1,11 +1,23 @@
 #include "apps/common/frame_codec.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <ctime>
+#include <utility>
 
 #include "core/wire/key_packet.hpp"
+#include "core/wire/raw_pack.hpp"
 
 namespace planecast {
+namespace {
+
+bool same_size(const StreamSetup& setup, const DepthImage& image) {
+  const CameraModel& camera = setup.encoder.stream.camera;
+  return image.width == camera.width && image.height == camera.height;
+}
+
+}  // namespace
 
 double thread_cpu_ms() {
   timespec now{};
@@ -13,8 +25,28 @@ double thread_cpu_ms() {
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
+double median_ms(std::vector<double> ms) {
+  if (ms.empty()) return 0;
+  const auto middle = ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2);
+  std::nth_element(ms.begin(), middle, ms.end());
+  return *middle;
+}
+
+std::uint32_t key_interval_frames(const StreamConfig& config) noexcept {
+  return std::max<std::uint32_t>(1, 250U / std::max<std::uint32_t>(1, config.period_ms));
+}
+
 Result<FrameCodec> FrameCodec::create(const StreamSetup& setup, std::size_t slice_bytes) {
   EncoderConfig config = setup.encoder;
+  const bool raw = config.stream.kind == FrameKind::kRawCloud;
+  const std::size_t least = raw ? kMinRawSliceBytes : kMinSliceBytes;
+  if (slice_bytes < least) {
+    return Error{
+        Status::kUsage,
+        fmt::format("--slice-bytes: leaves {} bytes for a packet, but {} of this stream "
+                    "need {}; raise it by {}",
+                    slice_bytes, raw ? "raw clouds" : "depth images", least, least - slice_bytes)};
+  }
   config.stages.slice_bytes = slice_bytes;
   config.runner.mode = RunMode::kInline;
   config.runner.slots = 1;
@@ -26,48 +58,63 @@ Result<FrameCodec> FrameCodec::create(const StreamSetup& setup, std::size_t slic
   return codec;
 }
 
-Result<CodedFrame> FrameCodec::encode(const StreamSetup& setup, const SensorFrame& frame) {
+Result<Done> FrameCodec::submit(const StreamSetup& setup, const SensorFrame& frame) {
   Status status = Status::kOk;
   if (setup.encoder.stream.kind == FrameKind::kRawCloud) {
-    status = encoder_->submit(frame.cloud.points, frame.number, frame.stamp_ns);
+    const auto gated = to_raw_points(setup, frame, points_);
+    if (!gated.ok()) return gated.error();
+    out_of_range_ = *gated;
+    status = encoder_->submit(points_, frame.number, frame.stamp_ns);
+  } else if (setup.cloud_input || !same_size(setup, frame.depth)) {
+    if (const auto done = to_depth(setup, frame, depth_); !done.ok()) return done.error();
+    status = encoder_->submit(DepthView{depth_, frame.number, frame.stamp_ns});
   } else {
-    std::vector<std::uint16_t> depth;
-    if (const auto done = to_depth(setup, frame, depth); !done.ok()) return done.error();
-    status = encoder_->submit(DepthView{depth, frame.number, frame.stamp_ns});
+    status = encoder_->submit(DepthView{frame.depth.depth, frame.number, frame.stamp_ns});
   }
+  if (status != Status::kOk) {
+    return Error{status, fmt::format("{}: could not be submitted to the encoder ({})", frame.name,
+                                     to_string(status))};
+  }
+  return Done{};
+}
+
+Result<CodedFrame> FrameCodec::encode(const StreamSetup& setup, const SensorFrame& frame) {
+  if (const auto done = submit(setup, frame); !done.ok()) return done.error();
   EncodedFrame encoded;
-  if (status != Status::kOk || !encoder_->try_next(encoded)) {
-    return Error{status,
-                 frame.name + ": could not be submitted: " + std::string(to_string(status))};
-  }
+  if (!encoder_->try_next(encoded))
+    return Error{Status::kStopped, frame.name + ": the encoder gave no frame back"};
   CodedFrame out;
-  status = encoded.status;
+  const Status status = encoded.status;
   out.report = encoded.slot->report;
   out.counts = encoded.slot->counts;
-  for (std::uint32_t i = 0; i < out.report.slices; ++i) {
+  if (setup.encoder.stream.kind == FrameKind::kRawCloud) {
+    out.counts.input += out_of_range_;
+    out.counts.out_of_range = out_of_range_;
+  }
+  for (std::uint32_t i = 0; status == Status::kOk && i < out.report.slices; ++i) {
     const auto slice = encoded.slot->slice(i);
     out.packets.emplace_back(slice.begin(), slice.end());
   }
   encoder_->release(encoded);
-  if (status != Status::kOk)
-    return Error{status, frame.name + ": could not be encoded: " + std::string(to_string(status))};
+  if (status != Status::kOk) {
+    return Error{status,
+                 fmt::format("{}: could not be encoded ({})", frame.name, to_string(status))};
+  }
   return out;
 }
 
-double FrameCodec::time_encode(const std::vector<std::uint16_t>& depth, int times, int warm_ups) {
+double FrameCodec::time_encode(const StreamSetup& setup, const SensorFrame& frame, int times,
+                               int warm_ups) {
   std::vector<double> ms;
   for (int i = 0; i < times + warm_ups; ++i) {
     const double begin = thread_cpu_ms();
     EncodedFrame encoded;
-    if (encoder_->submit(DepthView{depth, 0, encoder_->config().stream.epoch_ns}) != Status::kOk ||
-        !encoder_->try_next(encoded))
-      return 0;
+    if (!submit(setup, frame).ok() || !encoder_->try_next(encoded)) return 0;
     const double end = thread_cpu_ms();
     encoder_->release(encoded);
     if (i >= warm_ups) ms.push_back(end - begin);
   }
-  std::nth_element(ms.begin(), ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2), ms.end());
-  return ms[ms.size() / 2];
+  return median_ms(std::move(ms));
 }
 
 std::vector<std::uint8_t> FrameCodec::key_packet(const SensorFrame& frame) const {

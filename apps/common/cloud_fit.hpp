@@ -1,0 +1,73 @@
+// How well a cloud's points lie on a stream's camera and depth grid: measured once to decide how a
+// stream is coded, and checked for every later frame, so that no bound is broken before the codec.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/status.hpp"
+#include "core/cloud/sensor_frame.hpp"
+#include "core/model/stream_config.hpp"
+#include "core/sensor/ray_table.hpp"
+
+namespace planecast {
+
+/// True when the point is a reading: finite, and not the exact origin that some recorders write for
+/// a hole.
+bool is_depth_reading(const Point3f& p) noexcept;
+
+/// From a cloud's own axes to the optical ones of its camera, and back.
+class OpticalAxes {
+ public:
+  explicit OpticalAxes(const StreamConfig& config);
+
+  /// Depth along the optical axis [m].
+  double depth(const Point3f& p) const noexcept;
+  /// The point at `depth` on the ray (x, y, 1), in the cloud's axes [m], as the decoder has it.
+  Point3f point(double x, double y, double depth) const noexcept;
+
+ private:
+  bool identity_;
+  double m_[3][3];
+  double t_[3];
+  double flip_y_;
+};
+
+/// A camera's rays with their storage.
+struct CameraRays {
+  std::vector<std::int32_t> storage;
+  RayTable table;
+};
+
+/// Builds the rays of a camera; kBadConfig when its distortion cannot be undone.
+Result<std::shared_ptr<const CameraRays>> camera_rays(const CameraModel& camera);
+
+/// The error contract as asked for, before anything is taken off for a cloud's own misfit.
+struct Contract {
+  ToleranceKind kind = ToleranceKind::kLossless;
+  double value = 0;  ///< kMetres [m]; kSigma, kSurfaces: multiples of sigma
+  NoiseModel noise;
+
+  /// The bound of a reading at a depth [m]; 0 when lossless.
+  double bound_m(double depth_m) const noexcept;
+};
+
+/// How far points are from where their pixel's ray and their count put them.
+struct CloudFit {
+  double worst_m = 0;        ///< largest distance, rounding to the grid included [m]
+  double worst_share = 0;    ///< largest distance over that point's bound; infinite for bound 0
+  double lateral_share = 0;  ///< the same for the distance from the ray alone
+};
+
+/// Distance of the cloud's point i from the point that the decoder makes of `count` [m].
+double misfit_m(const OpticalAxes& axes, const RayTable& rays, double metres_per_count,
+                const Point3f& point, std::size_t i, std::uint16_t count) noexcept;
+
+/// Measures all readings with counts between the limits. `depth` holds the cloud's counts. O(n).
+CloudFit measure_fit(const StreamConfig& config, const RayTable& rays, const Contract& contract,
+                     std::span<const Point3f> points, std::span<const std::uint16_t> depth,
+                     std::uint16_t least, std::uint16_t most) noexcept;
+
+}  // namespace planecast
