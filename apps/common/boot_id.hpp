@@ -1,13 +1,13 @@
-// Which boot of which machine this is: two processes that agree on it share their clocks, so that
-// times between them can be subtracted.
+// Which boot of which machine this is: monotonic clocks of two processes agree only where it is the
+// same, so latency is measured between those alone.
 #pragma once
 
 #include <cstdint>
 
 namespace planecast {
 
-/// CRC-32C of the kernel's boot id, as the key packet carries it (StreamConfig::boot_id); 0, which
-/// equals no other, where the kernel tells none. Any thread; reads a file, so ask once.
-std::uint32_t host_boot_id();
+/// CRC-32C of the kernel's boot id (36 characters, no newline), as StreamConfig::boot_id carries
+/// it; 0 where there is none to read, which equals no other.
+std::uint32_t boot_id_hash();
 
 }  // namespace planecast

@@ -1,0 +1,222 @@
+#include "apps/planecastd/daemon.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <thread>
+
+#include "apps/planecastd/balance.hpp"
+#include "apps/planecastd/frame_player.hpp"
+#include "apps/planecastd/memory_plan.hpp"
+#include "apps/planecastd/status_report.hpp"
+#include "apps/planecastd/stream_input.hpp"
+#include "core/pipeline/worker_thread.hpp"
+
+namespace planecast {
+namespace {
+
+constexpr std::int64_t kPollNs = 20'000'000;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr std::int64_t kFlushNs = 3 * kSecondNs;
+constexpr std::int64_t kFlushAfterSignalNs = kSecondNs / 2;
+
+ExitCode complain(const Error& error) {
+  fmt::print(stderr, "planecastd: {}\n", error.message);
+  return exit_code(error.status);
+}
+
+// Members in the order in which they depend on each other.
+struct Daemon {
+  Daemon(const DaemonOptions& given, const CodecOptions& codec, StopSignals& stop,
+         StreamInput opened)
+      : daemon(given), options(codec), signals(stop), input(std::move(opened)) {}
+
+  const DaemonOptions& daemon;
+  const CodecOptions& options;
+  StopSignals& signals;
+  StreamInput input;
+  MemoryNeeds needs;
+  DaemonMemory memory;
+  std::unique_ptr<FrameFeed> feed;
+  std::unique_ptr<Encoder> encoder;
+  std::unique_ptr<Publisher> publisher;
+  std::unique_ptr<StreamSender> sender;
+  std::unique_ptr<FramePlayer> player;
+  std::thread source_thread, sender_thread;
+  std::string told;  // the refusal printed last
+
+  Result<Done> prepare(const MemoryPlan& plan, const LcmUrl& url);
+  Result<Done> start();
+  void watch(StatusReport& report);
+  void finish();
+  void tell_refusals();
+  StreamMoment moment() const;
+  StreamCounts counts(bool ended) const;
+  ExitCode verdict(const StreamCounts& counts) const;
+};
+
+Result<Done> Daemon::prepare(const MemoryPlan& plan, const LcmUrl& url) {
+  if (input.link == nullptr) {
+    auto link = LcmLink::open(url, false);
+    if (!link) return link.error();
+    input.link = std::move(*link);
+  }
+  auto taken = take_memory(needs, plan, {.lock = daemon.lock_memory});
+  if (!taken) return taken.error();
+  memory = std::move(*taken);
+  if (memory.arena.lock_refused())
+    fmt::print(stderr, "planecastd: memory is not locked; raise RLIMIT_MEMLOCK (ulimit -l)\n");
+  const FeedConfig feed_config{.repeat = options.repeat, .live = input.live != nullptr};
+  feed =
+      std::make_unique<FrameFeed>(*input.source, input.setup, std::move(input.first), feed_config);
+  const auto loaded =
+      feed->preload(std::move(memory.preloaded), [this] { return signals.asked(); });
+  if (!loaded) return loaded.error();
+  auto made = Encoder::create(needs.encoder, memory.encoder);
+  if (!made) return made.error();
+  encoder = std::move(*made);
+  auto published = Publisher::create(needs.publisher, input.link, &memory.arena);
+  if (!published) return published.error();
+  publisher = std::move(*published);
+  memory.arena.seal();
+  return Done{};
+}
+
+Result<Done> Daemon::start() {
+  if (const auto started = encoder->start(); !started) return started.error();
+  sender = std::make_unique<StreamSender>(
+      *encoder, *publisher,
+      SenderConfig{.key_every_frames = key_interval(input.rate_hz), .wait = daemon.wait});
+  PlayerConfig player_config;
+  player_config.wait = daemon.wait;
+  if (input.live == nullptr) player_config.rate_hz = input.rate_hz;
+  player = std::make_unique<FramePlayer>(*feed, *encoder, player_config);
+  sender_thread = std::thread([this] {
+    (void)prepare_worker({.name = "sender"});
+    sender->run();
+  });
+  source_thread = std::thread([this] {
+    (void)prepare_worker({.name = "source"});
+    player->run();
+  });
+  return Done{};
+}
+
+StreamMoment Daemon::moment() const {
+  const StreamCounts now = counts(false);
+  return {monotonic_ns(), now.sender, now.dropped(), now.failed()};
+}
+
+void Daemon::tell_refusals() {
+  if (input.live == nullptr) return;
+  std::string refusal = feed->refusal();
+  if (refusal.empty()) refusal = input.live->refusal();
+  if (!refusal.empty() && refusal != told) fmt::print(stderr, "planecastd: refused: {}\n", refusal);
+  told = refusal;
+}
+
+void Daemon::watch(StatusReport& report) {
+  StreamMoment before = moment();
+  const auto line = [&] {
+    const StreamMoment now = moment();
+    report.print(rates_between(before, now, sender->encode_median_ns(before.sender.sent)));
+    before = now;
+  };
+  std::int64_t line_ns = before.time_ns + kSecondNs;
+  while (!player->finished() && !signals.wait(kPollNs)) {
+    if (monotonic_ns() < line_ns) continue;
+    line_ns += kSecondNs;
+    tell_refusals();
+    line();
+  }
+  finish();
+  if (sender->totals().sent > before.sender.sent) line();
+}
+
+// From the source on, so that nothing is offered to a part that is gone already.
+void Daemon::finish() {
+  player->stop();
+  if (input.live != nullptr) input.live->interrupt();
+  source_thread.join();
+  encoder->stop(StopMode::kDrain);
+  sender_thread.join();
+  (void)publisher->flush(signals.signal() == 0 ? kFlushNs : kFlushAfterSignalNs);
+  publisher->stop();
+}
+
+StreamCounts Daemon::counts(bool ended) const {
+  StreamCounts out;
+  out.publisher = publisher->statistics();
+  out.sender = sender->totals();
+  out.pipeline = encoder->runner().totals();
+  out.in = out.pipeline.in;
+  if (input.live == nullptr) return out;
+  const LcmSourceCounts source = input.live->counts();
+  out.in = source.messages;
+  out.refused = source.refused_malformed + source.refused_unorganised + feed->refused();
+  // At the end those are passed over as well that still wait to be taken, or were in hand.
+  out.passed_over = ended ? source.clouds - feed->refused() - out.pipeline.in : source.passed_over;
+  return out;
+}
+
+ExitCode Daemon::verdict(const StreamCounts& counts) const {
+  if (player->error().status != Status::kOk) return complain(player->error());
+  if (!counts.balanced()) return ExitCode::kFailed;
+  const bool nothing_sent = counts.publisher.frames_published > 0 && counts.out() == 0;
+  if (nothing_sent && counts.publisher.publish_errors > 0) {
+    return complain(
+        {Status::kNetwork,
+         "the kernel refused every frame; 'planecast doctor' tells what would mend it"});
+  }
+  const Status failure = sender->first_failure();
+  if (failure == Status::kOk) return ExitCode::kDone;
+  fmt::print(stderr, "planecastd: the first frame that failed did so with {}\n",
+             to_string(failure));
+  return failure == Status::kBoundExceeded ? ExitCode::kBoundExceeded : ExitCode::kFailed;
+}
+
+void say(const StreamInput& input, const MemoryPlan& plan, const CodecOptions& options) {
+  for (const std::string& note : input.setup.notes) fmt::print(stderr, "planecastd: {}\n", note);
+  const StreamConfig& stream = input.setup.encoder.stream;
+  fmt::print(stderr, "planecastd: stream {} on {}, {}x{}, tolerance {}, {}, {} in memory\n",
+             stream.stream, options.channel, stream.camera.width, stream.camera.height,
+             to_string(options.tolerance),
+             input.live != nullptr ? "at the source's pace" : fmt::format("{:g} Hz", input.rate_hz),
+             human_bytes(static_cast<double>(plan.arena)));
+}
+
+}  // namespace
+
+ExitCode run_daemon(const DaemonOptions& daemon, const CodecOptions& options) {
+  const auto url = options.lcm_url.empty() ? default_lcm_url() : parse_lcm_url(options.lcm_url);
+  if (!url) return complain(url.error());
+  if (const auto channel = check_channel(options.channel); !channel)
+    return complain(channel.error());
+  StopSignals signals;
+  auto input = open_input(daemon, options, *url, signals);
+  if (!input) return signals.signal() != 0 ? ExitCode::kDone : complain(input.error());
+  Daemon self(daemon, options, signals, std::move(*input));
+  self.needs.encoder = self.input.setup.encoder;
+  self.needs.publisher = publisher_for(self.needs.encoder, options.channel, options.slice_bytes);
+  self.needs.preloaded_frames = self.input.preloaded_frames;
+  const auto plan = plan_memory(self.needs);
+  if (!plan) return complain(plan.error());
+  if (daemon.print_memory) {
+    for (const std::string& line : to_lines(*plan, self.needs)) fmt::print("{}\n", line);
+    return ExitCode::kDone;
+  }
+  auto report = StatusReport::open(stderr, daemon.status_file);
+  if (!report) return complain(report.error());
+  say(self.input, *plan, options);
+  if (const auto ready = self.prepare(*plan, *url); !ready)
+    return signals.signal() != 0 ? ExitCode::kDone : complain(ready.error());
+  if (const auto started = self.start(); !started) return complain(started.error());
+  self.watch(*report);
+  const StreamCounts counts = self.counts(true);
+  fmt::print(stderr, "planecastd: {}\n", signals.signal() != 0 ? "stopped by a signal" : "done");
+  for (const std::string& line : balance_lines(counts, self.encoder->runner()))
+    fmt::print(stderr, "{}\n", line);
+  return self.verdict(counts);
+}
+
+}  // namespace planecast

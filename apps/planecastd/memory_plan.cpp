@@ -1,0 +1,120 @@
+#include "apps/planecastd/memory_plan.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <algorithm>
+
+#include "core/wire/frame_pack.hpp"
+#include "core/wire/key_packet.hpp"
+#include "core/wire/raw_pack.hpp"
+
+namespace planecast {
+namespace {
+
+constexpr std::size_t kMostFrameBytes = std::size_t{1} << 30U;  // of a publisher's buffer
+
+// One order for measuring and carving. Whatever takes memory from the arena starts on a cache line,
+// so the publisher's part begins where this ends.
+void lay_out(const MemoryNeeds& needs, const MemoryPlan& plan, Arena& arena, DaemonMemory* memory) {
+  const auto encoder = arena.take<std::byte>(plan.encoder);
+  if (memory != nullptr) memory->encoder = encoder;
+  for (std::uint64_t i = 0; i < needs.preloaded_frames; ++i) {
+    const auto frame = arena.take<std::byte>(frame_bytes(needs.encoder.stream));
+    if (memory != nullptr) memory->preloaded.push_back(frame);
+  }
+}
+
+std::size_t default_stack_bytes() {
+  pthread_attr_t attributes;
+  std::size_t bytes = 0;
+  if (pthread_getattr_default_np(&attributes) != 0) return 0;
+  pthread_attr_getstacksize(&attributes, &bytes);
+  pthread_attr_destroy(&attributes);
+  return bytes;
+}
+
+std::vector<std::string> thread_names(RunMode mode) {
+  std::vector<std::string> names = {"source", "sender", "publisher"};
+  if (mode == RunMode::kThreads)
+    names.insert(names.begin() + 1, {"filter", "segment", "fit", "pack"});
+  return names;
+}
+
+}  // namespace
+
+std::size_t frame_bytes(const StreamConfig& config) {
+  const std::size_t each =
+      config.kind == FrameKind::kRawCloud ? sizeof(Point3f) : sizeof(std::uint16_t);
+  return config.camera.pixels() * each;
+}
+
+Result<MemoryPlan> plan_memory(const MemoryNeeds& needs) {
+  MemoryPlan plan;
+  const auto encoder = Encoder::memory_bytes(needs.encoder);
+  if (!encoder) return encoder.error();
+  plan.encoder = *encoder;
+  plan.publisher = Publisher::memory_bytes(needs.publisher);
+  plan.preloaded = needs.preloaded_frames * frame_bytes(needs.encoder.stream);
+  Arena arena = Arena::measuring();
+  lay_out(needs, plan, arena, nullptr);
+  (void)arena.take<std::byte>(plan.publisher);
+  plan.arena = arena.bytes_needed();
+  plan.threads = thread_names(needs.encoder.runner.mode);
+  plan.stack = default_stack_bytes();
+  return plan;
+}
+
+Result<DaemonMemory> take_memory(const MemoryNeeds& needs, const MemoryPlan& plan,
+                                 ArenaOptions options) {
+  auto arena = Arena::map(plan.arena, options);
+  if (!arena) return arena.error();
+  DaemonMemory memory;
+  memory.arena = std::move(*arena);
+  lay_out(needs, plan, memory.arena, &memory);
+  if (memory.arena.failed())
+    return {Status::kOutOfArena, "the memory plan does not cover what it is for"};
+  return memory;
+}
+
+std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& needs) {
+  const CameraModel& camera = needs.encoder.stream.camera;
+  const auto line = [](const char* name, std::size_t bytes, const std::string& note) {
+    return fmt::format("{:<10} {:>12}  {}", name, bytes, note);
+  };
+  return {
+      line("encoder", plan.encoder,
+           fmt::format("{} frame slots of {}x{}, tables, the stages' own",
+                       needs.encoder.runner.slots, camera.width, camera.height)),
+      line("publisher", plan.publisher,
+           fmt::format("{} frame buffers of {} bytes", needs.publisher.frames,
+                       needs.publisher.max_frame_bytes)),
+      line("preload", plan.preloaded,
+           fmt::format("{} input frames held decoded", needs.preloaded_frames)),
+      line("arena", plan.arena, "the three above in one mapping, with padding"),
+      line("stacks", plan.stacks(),
+           fmt::format("{} threads of {} bytes reserved: {}", plan.threads.size(), plan.stack,
+                       fmt::join(plan.threads, ", "))),
+      line("total", plan.total(), "bytes, arena and stacks"),
+  };
+}
+
+PublisherConfig publisher_for(const EncoderConfig& encoder, const std::string& channel,
+                              std::uint32_t message_bytes) {
+  const CameraModel& camera = encoder.stream.camera;
+  const std::size_t packets = slice_capacity(camera.width, camera.height) + 1;
+  const std::size_t payload = encoder.stream.kind == FrameKind::kRawCloud
+                                  ? raw_frame_capacity(camera.width, camera.height)
+                                  : frame_capacity(camera.width, camera.height);
+  constexpr std::size_t kKeyBytes = kPacketHeaderBytes + kMaxKeyBodyBytes + kEnvelopeOverheadBytes;
+  PublisherConfig config;
+  config.channel = channel;
+  config.message_bytes = std::max(message_bytes, static_cast<std::uint32_t>(kKeyBytes));
+  config.max_packets = static_cast<std::uint32_t>(packets);
+  const std::size_t frame = payload + kKeyBytes + packets * kEnvelopeOverheadBytes;
+  config.max_frame_bytes = static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(frame, config.message_bytes, kMostFrameBytes));
+  return config;
+}
+
+}  // namespace planecast
