@@ -7,9 +7,9 @@
 
 #include "apps/common/lcm_source.hpp"
 #include "apps/common/options.hpp"
+#include "apps/common/stop_signals.hpp"
 #include "apps/common/stream_setup.hpp"
 #include "apps/planecastd/daemon_options.hpp"
-#include "apps/planecastd/stop_signals.hpp"
 #include "transport/lcm_link.hpp"
 
 namespace planecast {

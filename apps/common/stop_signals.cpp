@@ -1,4 +1,4 @@
-#include "apps/planecastd/stop_signals.hpp"
+#include "apps/common/stop_signals.hpp"
 
 #include <ctime>
 
