@@ -14,10 +14,11 @@ namespace planecast {
 
 /// What was counted by whom, as they report it themselves.
 struct StreamCounts {
-  std::uint64_t in = 0;           ///< frames that the source had
-  std::uint64_t refused = 0;      ///< of them not fit for this stream
-  std::uint64_t passed_over = 0;  ///< of them never offered: newer ones came first, or the end
-  FrameTotals pipeline;           ///< those offered
+  std::uint64_t in = 0;              ///< frames that the source had
+  std::uint64_t refused = 0;         ///< of them not fit for this stream
+  std::uint64_t passed_over = 0;     ///< of them never offered: newer ones came first, or the end
+  std::uint64_t gated_readings = 0;  ///< of raw clouds, made holes before the pipeline
+  FrameTotals pipeline;              ///< those offered
   SenderTotals sender;
   PublisherStatistics publisher;
 

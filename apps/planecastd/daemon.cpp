@@ -5,6 +5,7 @@
 #include <memory>
 #include <thread>
 
+#include "apps/common/frame_codec.hpp"
 #include "apps/planecastd/balance.hpp"
 #include "apps/planecastd/frame_player.hpp"
 #include "apps/planecastd/memory_plan.hpp"
@@ -69,8 +70,7 @@ Result<Done> Daemon::prepare(const MemoryPlan& plan, const LcmUrl& url) {
   const FeedConfig feed_config{.repeat = options.repeat, .live = input.live != nullptr};
   feed =
       std::make_unique<FrameFeed>(*input.source, input.setup, std::move(input.first), feed_config);
-  const auto loaded =
-      feed->preload(std::move(memory.preloaded), [this] { return signals.asked(); });
+  const auto loaded = feed->preload(memory.preloaded, [this] { return signals.asked(); });
   if (!loaded) return loaded.error();
   auto made = Encoder::create(needs.encoder, memory.encoder);
   if (!made) return made.error();
@@ -86,7 +86,8 @@ Result<Done> Daemon::start() {
   if (const auto started = encoder->start(); !started) return started.error();
   sender = std::make_unique<StreamSender>(
       *encoder, *publisher,
-      SenderConfig{.key_every_frames = key_interval(input.rate_hz), .wait = daemon.wait});
+      SenderConfig{.key_every_frames = key_interval_frames(needs.encoder.stream),
+                   .wait = daemon.wait});
   PlayerConfig player_config;
   player_config.wait = daemon.wait;
   if (input.live == nullptr) player_config.rate_hz = input.rate_hz;
@@ -150,6 +151,7 @@ StreamCounts Daemon::counts(bool ended) const {
   out.sender = sender->totals();
   out.pipeline = encoder->runner().totals();
   out.in = out.pipeline.in;
+  out.gated_readings = player->out_of_range();
   if (input.live == nullptr) return out;
   const LcmSourceCounts source = input.live->counts();
   out.in = source.messages;
@@ -176,7 +178,9 @@ ExitCode Daemon::verdict(const StreamCounts& counts) const {
 }
 
 void say(const StreamInput& input, const MemoryPlan& plan, const CodecOptions& options) {
-  for (const std::string& note : input.setup.notes) fmt::print(stderr, "planecastd: {}\n", note);
+  for (const auto& notes : {input.source->notes(), input.setup.notes}) {
+    for (const std::string& note : notes) fmt::print(stderr, "planecastd: {}\n", note);
+  }
   const StreamConfig& stream = input.setup.encoder.stream;
   fmt::print(stderr, "planecastd: stream {} on {}, {}x{}, tolerance {}, {}, {} in memory\n",
              stream.stream, options.channel, stream.camera.width, stream.camera.height,

@@ -4,8 +4,26 @@
 #include <utility>
 
 namespace planecast {
+namespace {
 
-Result<Done> FrameFeed::preload(std::vector<std::span<std::byte>> memory,
+template <class T>
+std::span<const T> copied(std::span<const T> from, std::span<std::byte> to) {
+  std::memcpy(to.data(), from.data(), from.size_bytes());
+  return {reinterpret_cast<const T*>(to.data()), from.size()};
+}
+
+FeedFrame copied(FeedFrame frame, std::span<std::byte> to) {
+  if (frame.points.empty()) {
+    frame.depth = copied(frame.depth, to);
+  } else {
+    frame.points = copied(frame.points, to);
+  }
+  return frame;
+}
+
+}  // namespace
+
+Result<Done> FrameFeed::preload(std::span<const std::span<std::byte>> memory,
                                 const std::function<bool()>& stop_asked) {
   for (const std::span<std::byte> place : memory) {
     if (stop_asked()) return {Status::kStopped, "stopped while the input was read"};
@@ -13,17 +31,13 @@ Result<Done> FrameFeed::preload(std::vector<std::span<std::byte>> memory,
     const auto got = read(frame);
     if (!got) return got.error();
     if (!*got) return {Status::kUnreadable, "the input has fewer frames than it had a moment ago"};
-    const auto bytes =
-        frame.points.empty() ? std::as_bytes(frame.depth) : std::as_bytes(frame.points);
-    std::memcpy(place.data(), bytes.data(), place.size());
-    stamps_.push_back(frame.stamp_ns);
+    loaded_.push_back(copied(frame, place));
   }
-  memory_ = std::move(memory);
   return Done{};
 }
 
 Result<bool> FrameFeed::next(FeedFrame& frame) {
-  if (memory_.empty()) {
+  if (loaded_.empty()) {
     for (;;) {
       const auto got = read(frame);
       if (!got || *got) return got;
@@ -32,11 +46,11 @@ Result<bool> FrameFeed::next(FeedFrame& frame) {
       given_in_pass_ = 0;
     }
   }
-  if (at_ == memory_.size()) {
+  if (at_ == loaded_.size()) {
     if (!another_pass()) return false;
     at_ = 0;
   }
-  frame = from_memory(at_++);
+  frame = loaded_[at_++];
   return true;
 }
 
@@ -72,29 +86,16 @@ std::string FrameFeed::refusal() const {
 Result<Done> FrameFeed::prepare(FeedFrame& frame) {
   frame = {};
   frame.stamp_ns = raw_.stamp_ns;
-  if (setup_.encoder.stream.kind != FrameKind::kRawCloud) {
+  if (setup_.encoder.stream.kind == FrameKind::kRawCloud) {
+    const auto gated = to_raw_points(setup_, raw_, points_);
+    if (!gated) return gated.error();
+    frame.out_of_range = *gated;
+    frame.points = points_;
+  } else {
     if (const auto done = to_depth(setup_, raw_, depth_); !done) return done.error();
     frame.depth = depth_;
-    return Done{};
   }
-  const CameraModel& camera = setup_.encoder.stream.camera;
-  if (raw_.cloud.width != camera.width || raw_.cloud.height != camera.height)
-    return {Status::kUnreadable, raw_.name + ": its size differs from the stream's first frame"};
-  frame.points = raw_.cloud.points;
   return Done{};
-}
-
-FeedFrame FrameFeed::from_memory(std::size_t index) const {
-  FeedFrame frame;
-  const std::span<std::byte> bytes = memory_[index];
-  if (setup_.encoder.stream.kind == FrameKind::kRawCloud) {
-    frame.points = {reinterpret_cast<const Point3f*>(bytes.data()), bytes.size() / sizeof(Point3f)};
-  } else {
-    frame.depth = {reinterpret_cast<const std::uint16_t*>(bytes.data()),
-                   bytes.size() / sizeof(std::uint16_t)};
-  }
-  frame.stamp_ns = stamps_[index];
-  return frame;
 }
 
 }  // namespace planecast

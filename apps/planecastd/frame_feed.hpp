@@ -20,7 +20,8 @@ namespace planecast {
 struct FeedFrame {
   std::span<const std::uint16_t> depth;  ///< counts; empty for raw-cloud streams
   std::span<const Point3f> points;       ///< raw-cloud streams
-  std::int64_t stamp_ns = 0;             ///< the source's own, 0 where it has none
+  std::int64_t stamp_ns = 0;             ///< the source's own
+  std::uint32_t out_of_range = 0;        ///< readings of a raw cloud made holes by --range
 };
 
 struct FeedConfig {
@@ -37,7 +38,7 @@ class FrameFeed {
 
   /// Decodes the first pass into `memory`, one frame each (frame_bytes()). Errors name the frame;
   /// kStopped when `stop_asked` said so, asked once a frame.
-  Result<Done> preload(std::vector<std::span<std::byte>> memory,
+  Result<Done> preload(std::span<const std::span<std::byte>> memory,
                        const std::function<bool()>& stop_asked);
 
   /// The next frame; false at the end. Errors name the frame.
@@ -51,7 +52,6 @@ class FrameFeed {
  private:
   Result<bool> read(FeedFrame& frame);
   Result<Done> prepare(FeedFrame& frame);
-  FeedFrame from_memory(std::size_t index) const;
   bool another_pass();
 
   FrameSource& source_;
@@ -60,8 +60,8 @@ class FrameFeed {
   SensorFrame raw_;
   bool raw_is_first_ = true;
   std::vector<std::uint16_t> depth_;
-  std::vector<std::span<std::byte>> memory_;
-  std::vector<std::int64_t> stamps_;
+  std::vector<Point3f> points_;
+  std::vector<FeedFrame> loaded_;  ///< in memory
   std::size_t at_ = 0;
   std::uint64_t passes_ = 1;  ///< begun
   std::uint64_t given_in_pass_ = 0;

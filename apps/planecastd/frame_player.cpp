@@ -29,6 +29,7 @@ void FramePlayer::submit(const FeedFrame& frame) noexcept {
   // A frame that gets no slot is counted by the encoder; its number stays unused on the wire, so
   // receivers see the gap.
   const std::uint64_t number = number_++;
+  out_of_range_.fetch_add(frame.out_of_range, std::memory_order_relaxed);
   if (frame.points.empty()) {
     (void)encoder_.submit(DepthView{frame.depth, number, frame.stamp_ns}, config_.wait);
   } else {

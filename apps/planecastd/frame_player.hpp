@@ -34,8 +34,10 @@ class FramePlayer {
   /// Any thread: true once run() has returned.
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
-  /// Frames offered to the encoder; after run().
-  std::uint64_t offered() const noexcept { return number_; }
+  /// Any thread: readings of the frames offered that --range made holes before the pipeline.
+  std::uint64_t out_of_range() const noexcept {
+    return out_of_range_.load(std::memory_order_relaxed);
+  }
 
   /// Why run() ended early; kOk when it did not. After run().
   const Error& error() const noexcept { return error_; }
@@ -51,6 +53,7 @@ class FramePlayer {
   std::atomic<bool> stop_{false};
   std::atomic<bool> finished_{false};
   std::uint64_t number_ = 0;
+  std::atomic<std::uint64_t> out_of_range_{0};
   Error error_;
 };
 
