@@ -181,6 +181,27 @@ TEST(Assembler, FrameNumbersWrap) {
   EXPECT_EQ(bench.stream().resyncs, 0U);
 }
 
+TEST(Assembler, FrameNumbersWrapWhereTheConfigurationSays) {
+  AssemblerConfig config = small_assembler();
+  config.frame_bits = 24;
+  AssemblerBench bench(config);
+  bench.frame(0xFFFFFD);
+  bench.slice(0xFFFFFE, 0);  // closed by frame 0, two numbers on
+  bench.frame(0);
+  bench.frame(2);  // 1 is lost
+  EXPECT_EQ(bench.take_numbers(), (Numbers{0xFFFFFD, 0xFFFFFE, 0, 2}));
+  EXPECT_EQ(bench.stream().frames_complete, 3U);
+  EXPECT_EQ(bench.stream().frames_partial, 1U);
+  EXPECT_EQ(bench.stream().frames_lost, 2U);  // 0xFFFFFF and 1
+  EXPECT_EQ(bench.stream().resyncs, 0U);
+}
+
+TEST(Assembler, RefusesFrameNumbersTooShortToTellLossFromAJump) {
+  AssemblerConfig config = small_assembler();
+  config.frame_bits = 15;
+  EXPECT_EQ(Assembler::create(config).error().status, Status::kBadConfig);
+}
+
 TEST(Assembler, HugeJumpOfTheFrameNumberStartsAnewInBothDirections) {
   AssemblerBench bench;
   bench.frame(10'000);
