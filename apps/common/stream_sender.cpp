@@ -15,6 +15,11 @@ void add(std::atomic<std::uint64_t>& counter, std::uint64_t amount) noexcept {
 
 }  // namespace
 
+std::uint32_t key_interval(double rate_hz) noexcept {
+  const double frames = rate_hz * static_cast<double>(kKeyPeriodNs) * 1e-9;
+  return static_cast<std::uint32_t>(std::clamp(frames, 1.0, 1e6));
+}
+
 void StreamSender::run() noexcept {
   EncodedFrame frame;
   while (encoder_.next(frame)) {

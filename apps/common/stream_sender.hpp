@@ -15,8 +15,11 @@ namespace planecast {
 /// Time within which a receiver that joins has its key packet [ns].
 inline constexpr std::int64_t kKeyPeriodNs = 250'000'000;
 
+/// Frames from one key packet to the next at `rate_hz`, so that at most kKeyPeriodNs pass.
+std::uint32_t key_interval(double rate_hz) noexcept;
+
 struct SenderConfig {
-  std::uint32_t key_every_frames = 7;  ///< key_interval_frames()
+  std::uint32_t key_every_frames = 7;  ///< key_interval()
   bool wait = false;  ///< wait for the publisher instead of letting it drop its oldest frame
 };
 

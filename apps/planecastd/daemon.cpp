@@ -5,7 +5,6 @@
 #include <memory>
 #include <thread>
 
-#include "apps/common/frame_codec.hpp"
 #include "apps/planecastd/balance.hpp"
 #include "apps/planecastd/frame_player.hpp"
 #include "apps/planecastd/memory_plan.hpp"
@@ -86,8 +85,7 @@ Result<Done> Daemon::start() {
   if (const auto started = encoder->start(); !started) return started.error();
   sender = std::make_unique<StreamSender>(
       *encoder, *publisher,
-      SenderConfig{.key_every_frames = key_interval_frames(needs.encoder.stream),
-                   .wait = daemon.wait});
+      SenderConfig{.key_every_frames = key_interval(input.rate_hz), .wait = daemon.wait});
   PlayerConfig player_config;
   player_config.wait = daemon.wait;
   if (input.live == nullptr) player_config.rate_hz = input.rate_hz;
