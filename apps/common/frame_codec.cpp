@@ -32,10 +32,6 @@ double median_ms(std::vector<double> ms) {
   return *middle;
 }
 
-std::uint32_t key_interval_frames(const StreamConfig& config) noexcept {
-  return std::max<std::uint32_t>(1, 250U / std::max<std::uint32_t>(1, config.period_ms));
-}
-
 Result<FrameCodec> FrameCodec::create(const StreamSetup& setup, std::size_t slice_bytes) {
   EncoderConfig config = setup.encoder;
   const bool raw = config.stream.kind == FrameKind::kRawCloud;

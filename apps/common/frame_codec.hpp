@@ -49,9 +49,6 @@ class FrameCodec {
   std::uint32_t out_of_range_ = 0;    ///< of the current raw cloud
 };
 
-/// Frames from one key packet to the next when it is repeated every 0.25 s by frame count.
-std::uint32_t key_interval_frames(const StreamConfig& config) noexcept;
-
 /// CPU time of the calling thread [ms].
 double thread_cpu_ms();
 

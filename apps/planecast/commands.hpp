@@ -13,6 +13,7 @@ namespace planecast {
 struct CommandArguments {
   std::vector<std::string> inputs;
   std::string output;
+  std::string format;  ///< decode: "" or an extension without its dot
   bool json = false;
   std::string max_error;  ///< compare: "" or a length
 };
@@ -26,5 +27,8 @@ ExitCode run_doctor(const CommandArguments& arguments, const CodecOptions& optio
 
 /// Prints "planecast: <message>" on standard error and returns the exit code of the status.
 ExitCode complain(const Error& error);
+
+/// Prints sentences for the user on standard error, one a line.
+void tell(const std::vector<std::string>& notes);
 
 }  // namespace planecast
