@@ -7,44 +7,25 @@
 #include <cmath>
 
 #include "tests/core/model/random_config.hpp"
+#include "tests/core/predict/bound_oracle.hpp"
 #include "tests/core/predict/predict_bench.hpp"
 
 namespace planecast {
 namespace {
 
+using test::bound_m;
+using test::distance;
 using test::PredictBench;
+using test::unit_m;
 
-double unit_m(const StreamConfig& c) {
-  return static_cast<double>(c.camera.unit_pm) * 1e-12;
+test::Point3d exact_point(const PredictBench& b, std::uint32_t u, std::uint32_t v,
+                          std::uint32_t depth) {
+  return test::exact_point(b.config, b.rays, u, v, depth);
 }
 
-// The bound of the contract for a reading of `depth` counts [m].
-double bound_m(const StreamConfig& c, std::uint32_t depth) {
-  if (c.tolerance == ToleranceKind::kLossless) return 0;
-  if (c.tolerance == ToleranceKind::kMetres) return c.tolerance_100nm * 1e-7;
-  return c.sigmas_q16 / 65536.0 * c.noise.sigma_m(depth * unit_m(c));
-}
-
-struct Point {
-  double x, y, z;
-};
-
-Point exact_point(const PredictBench& b, std::uint32_t u, std::uint32_t v, std::uint32_t depth) {
-  const double z = depth * unit_m(b.config);
-  return {b.rays.x(u, v) * 0x1p-27 * z, b.rays.y(u, v) * 0x1p-27 * z, z};
-}
-
-// As regenerated: every coordinate cut to float32.
-Point float_point(const PredictBench& b, std::uint32_t u, std::uint32_t v, std::uint32_t depth) {
-  Point p = exact_point(b, u, v, depth);
-  const double z = static_cast<float>(p.z);
-  return {static_cast<float>(b.rays.x(u, v) * 0x1p-27 * z),
-          static_cast<float>(b.rays.y(u, v) * 0x1p-27 * z), z};
-}
-
-double distance(const Point& a, const Point& b) {
-  return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) +
-                   (a.z - b.z) * (a.z - b.z));
+test::Point3d float_point(const PredictBench& b, std::uint32_t u, std::uint32_t v,
+                          std::uint32_t depth) {
+  return test::float_point(b.config, b.rays, u, v, depth);
 }
 
 void expect_bound_kept(const PredictBench& b, Pcg32& random, int tries) {
