@@ -31,6 +31,7 @@ CLEAN = {
     "apps/common/options.hpp": "#pragma once\n#include <CLI/CLI.hpp>\n",
     "apps/recv/main.cpp": '#include <iostream>\n#include "apps/common/options.hpp"\n',
     "tests/apps/options_test.cpp": '#include <gtest/gtest.h>\n#include "apps/common/options.hpp"\n',
+    "tests/system/recv/recv_test.cpp": '#include "apps/common/options.hpp"\n',
     "toolchains/setup.sh": "libeigen3-dev libnanoflann-dev liblcm-dev libspng-dev libcli11-dev "
                            "libgtest-dev\n",
 }
