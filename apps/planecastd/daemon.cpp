@@ -129,6 +129,7 @@ void Daemon::watch(StatusReport& report) {
     line();
   }
   finish();
+  tell_refusals();
   if (sender->totals().sent > before.sender.sent) line();
 }
 
