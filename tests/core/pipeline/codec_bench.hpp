@@ -188,7 +188,9 @@ inline std::unique_ptr<Encoder> make_encoder(const EncoderConfig& config, bool s
     ADD_FAILURE() << encoder.error().message;
     return nullptr;
   }
-  if (start) EXPECT_TRUE((*encoder)->start().ok());
+  if (start) {
+    EXPECT_TRUE((*encoder)->start().ok());
+  }
   return std::move(*encoder);
 }
 
