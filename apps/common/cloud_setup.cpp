@@ -111,7 +111,7 @@ Result<bool> find_camera(const CodecOptions& options, const SensorFrame& first, 
   config.mirror_y = estimated->mirror_y;
   why = first.name + ": the estimated axes are out of range";
   if (to_fixed(estimated->cloud_from_optical, config.axes) != Status::kOk) return false;
-  setup.notes.push_back("camera estimated: " + estimated->describe());
+  setup.notes.push_back(first.name + ": " + estimated->describe());
   return true;
 }
 

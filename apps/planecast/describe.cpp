@@ -90,6 +90,13 @@ Json surface_of(const Surface& s, const CameraModel& camera) {
            {per_metre(s.a, camera), per_metre(s.b, camera), per_metre(s.c, camera)}}};
 }
 
+// Nine digits: all that a float32 or a Q16 number has, without the tail of a double.
+std::string scalar(const Json& value) {
+  if (value.is_null()) return "none";
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_number_float() ? fmt::format("{:.9g}", value.get<double>()) : value.dump();
+}
+
 bool flat(const Json& value) {
   return std::none_of(value.begin(), value.end(),
                       [](const Json& item) { return item.is_structured(); });
@@ -154,14 +161,12 @@ std::string readable(const Json& value, int indent) {
     const std::string label = value.is_array() ? fmt::format("[{}]", number++) : key + ":";
     if (item.is_array() && flat(item)) {
       std::string joined;
-      for (const Json& part : item) joined += (joined.empty() ? "" : ", ") + part.dump();
+      for (const Json& part : item) joined += (joined.empty() ? "" : ", ") + scalar(part);
       out += space + label + " " + (joined.empty() ? "none" : joined);
     } else if (item.is_structured()) {
       out += space + label + "\n" + readable(item, indent + 2);
-    } else if (item.is_string()) {
-      out += space + label + " " + item.get<std::string>();
     } else {
-      out += space + label + " " + (item.is_null() ? "none" : item.dump());
+      out += space + label + " " + scalar(item);
     }
   }
   return out;
