@@ -113,7 +113,12 @@ Result<Done> ReferenceCheck::add(const SensorFrame& frame) {
     if (const auto done = to_depth(setup_, frame, kept.depth); !done.ok()) return done.error();
     apply_range_gate(kept.depth, stages.range_min, stages.range_max);
   }
-  if (setup_.cloud_input) kept.points = frame.cloud.points;
+  if (setup_.encoder.stream.kind == FrameKind::kRawCloud) {
+    const auto gated = to_raw_points(setup_, frame, kept.points);
+    if (!gated.ok()) return gated.error();
+  } else if (setup_.cloud_input) {
+    kept.points = frame.cloud.points;
+  }
   bytes_ += kept.depth.size() * sizeof(std::uint16_t) + kept.points.size() * sizeof(Point3f);
   if (bytes_ > kMaxReferenceBytes) {
     return Error{Status::kUsage,

@@ -56,7 +56,7 @@ class ReferenceCheck {
  private:
   struct Frame {
     std::vector<std::uint16_t> depth;  ///< counts after --range; empty for raw clouds
-    std::vector<Point3f> points;       ///< inputs that are clouds
+    std::vector<Point3f> points;       ///< inputs that are clouds; raw ones after --range
   };
   struct Bound;
 
