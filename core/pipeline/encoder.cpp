@@ -119,9 +119,7 @@ Status Encoder::submit(const DepthView& frame, bool wait) noexcept {
   const auto handle = wait ? runner_.claim_wait() : runner_.claim();
   if (!handle) return runner_.running() ? Status::kNoSlot : Status::kStopped;
   FrameSlot& slot = slots_[*handle];
-  slot.number = frame.number;
-  slot.stamp_ns = frame.stamp_ns;
-  slot.submitted_ns = steady_now_ns();
+  slot.begin(frame.number, frame.stamp_ns, steady_now_ns());
   std::copy(frame.depth.begin(), frame.depth.end(), slot.depth.begin());
   return runner_.submit(*handle);
 }
@@ -135,9 +133,7 @@ Status Encoder::submit(std::span<const Point3f> points, std::uint64_t number, st
   const auto handle = wait ? runner_.claim_wait() : runner_.claim();
   if (!handle) return runner_.running() ? Status::kNoSlot : Status::kStopped;
   FrameSlot& slot = slots_[*handle];
-  slot.number = number;
-  slot.stamp_ns = stamp_ns;
-  slot.submitted_ns = steady_now_ns();
+  slot.begin(number, stamp_ns, steady_now_ns());
   std::copy(points.begin(), points.end(), slot.points.begin());
   return runner_.submit(*handle);
 }

@@ -54,6 +54,19 @@ struct FrameSlot {
   /// Takes the slot's memory.
   void layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept;
 
+  /// Starts a new frame: nothing is left of the slot's last one, should this one skip its stages.
+  void begin(std::uint64_t frame, std::int64_t captured_ns, std::int64_t now_ns) noexcept {
+    number = frame;
+    stamp_ns = captured_ns;
+    submitted_ns = now_ns;
+    counts = {};
+    regions = {};
+    surface_count = 0;
+    shift = 0;
+    report = {};
+    packed_ns = 0;
+  }
+
   FrameModel model() const noexcept {
     return {depth, blocks, surfaces.first(surface_count), shift};
   }

@@ -122,6 +122,7 @@ Status PackStage::process(FrameSlot& slot) noexcept {
                          slot.packed, slot.places, slot.report)
           : raw_packer_.pack(config, slot.points, identity, options_.slice_bytes, slot.packed,
                              slot.places, slot.report);
+  if (status != Status::kOk) slot.report = {};  // slices of half a frame are none
   if (config.kind == FrameKind::kRawCloud) slot.counts.input = slot.report.points;
   slot.counts.kept = slot.report.points;
   slot.packed_ns = steady_now_ns();
