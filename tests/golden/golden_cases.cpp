@@ -1,0 +1,214 @@
+#include "tests/golden/golden_cases.hpp"
+
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "core/base/random.hpp"
+#include "core/io/depth_png.hpp"
+#include "core/sim/sim_room.hpp"
+#include "core/wire/frame_pack.hpp"
+
+namespace planecast::test {
+namespace {
+
+constexpr std::size_t kWireSlice = 1190;
+
+struct Input {
+  const char* file;
+  std::uint32_t width, height;
+  std::uint64_t frame;
+};
+constexpr Input kInputs[] = {{"room_160x120_a.png", 160, 120, 0},
+                             {"room_160x120_b.png", 160, 120, 12},
+                             {"room_64x48.png", 64, 48, 40},
+                             {"room_17x9.png", 17, 9, 70}};
+
+SimConfig room_sensor(std::uint32_t width, std::uint32_t height) {
+  SimConfig sim = default_sim_config();
+  const double scale = width / 640.0;
+  sim.width = width;
+  sim.height = height;
+  sim.intrinsics.fx *= scale;
+  sim.intrinsics.fy *= scale;
+  sim.intrinsics.cx = width / 2.0;
+  sim.intrinsics.cy = height / 2.0;
+  return sim;
+}
+
+// A stream of the simulated sensor, without lattice.
+StreamConfig room_config(std::uint32_t width, std::uint32_t height) {
+  const SimConfig sim = room_sensor(width, height);
+  StreamConfig out;
+  out.stream = 1;
+  out.session = 0x5e551011;
+  out.epoch_ns = 1'700'000'000'000'000'000;
+  out.clock = ClockDomain::kRealtime;
+  out.camera = *quantise(sim.intrinsics, width, height);
+  out.noise = sim.noise;
+  out.frame_id = {'c', 'a', 'm', 'e', 'r', 'a'};
+  return out;
+}
+
+Lattice room_lattice(std::uint32_t width, std::uint32_t height) {
+  const SimConfig sim = room_sensor(width, height);
+  const double c =
+      sim.intrinsics.fx * sim.baseline_m * sim.steps_per_pixel / sim.intrinsics.metres_per_unit;
+  return {static_cast<std::uint32_t>(std::llround(c * 256)), 0, false};
+}
+
+void set_bound(StreamConfig& config, ToleranceKind kind, std::uint32_t value) {
+  config.tolerance = kind;
+  (kind == ToleranceKind::kMetres ? config.tolerance_100nm : config.sigmas_q16) = value;
+}
+
+// Every kind of float: a camera's points, zeros of both signs, denormals, ends of the range, holes.
+std::vector<Point3f> odd_cloud(std::uint32_t count) {
+  Pcg32 random(99);
+  std::vector<Point3f> out(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto any = [&] { return std::bit_cast<float>(random.next()); };
+    out[i] = i % 3 == 0 ? Point3f{any(), any(), any()} : Point3f{-0.0F, 1e-44F, any()};
+    if (i % 17 == 0) out[i].z = std::bit_cast<float>(0x7fc12345U);
+  }
+  return out;
+}
+
+std::vector<Point3f> pinhole_cloud(const std::vector<std::uint16_t>& depth, std::uint32_t width) {
+  std::vector<Point3f> out(depth.size());
+  for (std::uint32_t i = 0; i < depth.size(); ++i) {
+    const auto u = static_cast<float>(i % width), v = static_cast<float>(i / width);
+    const float z = static_cast<float>(depth[i]) * 0.00100013F;
+    const float hole = std::bit_cast<float>(0x7fc00000U);
+    out[i] = depth[i] == 0 ? Point3f{hole, hole, hole}
+                           : Point3f{(u / 64 - 0.5F) * z, (v / 64 - 0.4F) * z, z};
+  }
+  return out;
+}
+
+PoseFixed odd_pose() {
+  PoseFixed out;
+  out.q_q30 = {536870912, -536870912, 536870912, -536870912};
+  out.t_um = {1'234'567, -89'000, 42};
+  return out;
+}
+
+using Images = std::vector<std::vector<std::uint16_t>>;
+
+void add_contracts(const Images& in, std::vector<GoldenCase>& out) {
+  const StreamConfig base = room_config(160, 120);
+  GoldenCase c{"lossless_160x120", base, kFileSliceBytes, {in[0], in[1]}, {}};
+  c.config.lattice = room_lattice(160, 120);
+  out.push_back(c);
+  c = {"lossless_slices_160x120", base, kWireSlice, {in[0]}, {}};
+  out.push_back(c);
+  c = {"metres_160x120", base, kWireSlice, {in[0], in[1]}, {}};
+  set_bound(c.config, ToleranceKind::kMetres, 100'000);
+  out.push_back(c);
+  c = {"sigma_160x120", base, kWireSlice, {in[0], in[1]}, {}};
+  c.config.lattice = room_lattice(160, 120);
+  set_bound(c.config, ToleranceKind::kSigma, 5U << 16U);  // some lattice steps
+  out.push_back(c);
+  c.name = "surfaces_keep_160x120";
+  c.slice_bytes = kFileSliceBytes;
+  set_bound(c.config, ToleranceKind::kSurfaces, 3U << 16U);
+  out.push_back(c);
+  c.name = "surfaces_drop_160x120";
+  c.slice_bytes = kWireSlice;
+  c.config.drop_off_surface = true;
+  out.push_back(c);
+}
+
+void add_sensors(const Images& in, std::vector<GoldenCase>& out) {
+  GoldenCase c{"tof_64x48", room_config(64, 48), 400, {in[2]}, {}};
+  c.config.noise = {NoiseModel::Kind::kTof, 4'000'000};
+  c.config.camera.unit_pm = 250'000'000;
+  c.config.z_rule = ZRule::kProductInFloat;
+  set_bound(c.config, ToleranceKind::kSigma, 3U << 15U);
+  out.push_back(c);
+  c = {"lens_64x48", room_config(64, 48), kWireSlice, {in[2]}, {}};
+  c.config.camera.k1_q24 = 1'677'722;  // 0.1
+  c.config.camera.k2_q24 = -335'544;
+  c.config.camera.p1_q24 = 16'777;
+  c.config.camera.p2_q24 = -8'389;
+  c.config.camera.k3_q24 = 83'886;
+  c.config.z_rule = ZRule::kPrinted7;
+  c.config.pose = c.config.axes = odd_pose();
+  c.config.mirror_y = true;
+  set_bound(c.config, ToleranceKind::kMetres, 300'000);
+  out.push_back(c);
+  c = {"lattice_cut_64x48", room_config(64, 48), kFileSliceBytes, {in[2]}, {}};
+  c.config.lattice = {350'000U << 8U, 0x4000, true};
+  for (std::size_t i = 0; i < c.depth[0].size(); ++i) {
+    std::uint16_t& d = c.depth[0][i];  // one in eleven stays off the lattice
+    if (d != 0 && i % 11 != 0)
+      d = static_cast<std::uint16_t>(lattice_depth(c.config.lattice, 1 + 350'000U / d));
+  }
+  out.push_back(c);
+}
+
+void add_sizes(const Images& in, std::vector<GoldenCase>& out) {
+  GoldenCase c{"metres_17x9", room_config(17, 9), kWireSlice, {in[3]}, {}};
+  c.dump = true;
+  set_bound(c.config, ToleranceKind::kMetres, 200'000);
+  out.push_back(c);
+  c = {"verbatim_17x9", room_config(17, 9), kMinSliceBytes, {in[3]}, {}};
+  Pcg32 random(3);
+  for (auto& d : c.depth[0]) d = static_cast<std::uint16_t>(random.next());
+  out.push_back(c);
+  out.push_back({"lossless_1x1", room_config(1, 1), kWireSlice, {{65535}}, {}});
+  out.push_back(
+      {"holes_64x48", room_config(64, 48), kWireSlice, {Images::value_type(64 * 48)}, {}});
+  c = {"wide_2100x1", room_config(2100, 1), kFileSliceBytes, {Images::value_type(2100)}, {}};
+  c.surfaces = false;
+  for (std::uint32_t u = 0; u < 2100; ++u)
+    c.depth[0][u] = static_cast<std::uint16_t>(1000 + u / 3 + (u % 50 == 0 ? 20000 : 0));
+  out.push_back(c);
+}
+
+void add_clouds(const Images& in, std::vector<GoldenCase>& out) {
+  GoldenCase c{"raw_64x48", room_config(64, 48), kWireSlice, {}, {pinhole_cloud(in[2], 64)}};
+  c.config.kind = FrameKind::kRawCloud;
+  out.push_back(c);
+  c.name = "raw_steps_64x48";
+  c.slice_bytes = kFileSliceBytes;
+  for (Point3f& p : c.clouds[0]) p = {p.z, p.x, -p.y};
+  out.push_back(c);
+  c = {"raw_bits_17x9", room_config(17, 9), kFileSliceBytes, {}, {odd_cloud(17 * 9)}};
+  c.config.kind = FrameKind::kRawCloud;
+  c.dump = true;
+  out.push_back(c);
+}
+
+}  // namespace
+
+Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder) {
+  Images images;
+  for (const Input& input : kInputs) {
+    auto image = read_depth_png(folder / "inputs" / input.file);
+    if (!image.ok()) return image.error();
+    images.push_back(std::move(image->depth));
+  }
+  std::vector<GoldenCase> out;
+  add_contracts(images, out);
+  add_sensors(images, out);
+  add_sizes(images, out);
+  add_clouds(images, out);
+  return out;
+}
+
+Result<Done> render_inputs(const std::filesystem::path& folder) {
+  for (const Input& input : kInputs) {
+    auto simulator = RoomSimulator::create(room_sensor(input.width, input.height));
+    if (!simulator.ok()) return simulator.error();
+    DepthImage image;
+    std::vector<std::uint16_t> ids;
+    Pose pose;
+    simulator->render(input.frame, image, ids, pose);
+    auto done = write_depth_png(folder / "inputs" / input.file, image);
+    if (!done.ok()) return done;
+  }
+  return Done{};
+}
+
+}  // namespace planecast::test

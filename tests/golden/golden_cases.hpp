@@ -1,0 +1,33 @@
+// The streams that the golden vectors hold: one for each thing that the wire format can say. Inputs
+// are integers that lie beside this file or follow from integer code, never a simulator's doubles.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/status.hpp"
+#include "core/cloud/sensor_frame.hpp"
+#include "core/model/stream_config.hpp"
+
+namespace planecast::test {
+
+/// One stream. Its frames: depth images, or clouds for raw-cloud streams.
+struct GoldenCase {
+  std::string name;  ///< its file is name.plc
+  StreamConfig config;
+  std::size_t slice_bytes = 0;
+  std::vector<std::vector<std::uint16_t>> depth;
+  std::vector<std::vector<Point3f>> clouds;
+  bool surfaces = true;  ///< whether the encoder looks for surfaces
+  bool dump = false;     ///< small enough to list point by point in name.txt
+};
+
+/// All cases. `folder` holds inputs/*.png; an error names the one that cannot be read.
+Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder);
+
+/// Renders inputs/*.png with the simulator. Only for a new set of inputs: they never change.
+Result<Done> render_inputs(const std::filesystem::path& folder);
+
+}  // namespace planecast::test

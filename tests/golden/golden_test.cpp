@@ -1,0 +1,127 @@
+// The golden vectors decode to what they did, the same frames give the same bytes, and spoilt
+// packets end with the status that their file names.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+
+#include "core/io/file_bytes.hpp"
+#include "tests/golden/bad_packets.hpp"
+#include "tests/golden/golden_vectors.hpp"
+
+namespace planecast::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFolder = fs::path(PLANECAST_SOURCE_DIR) / "tests" / "golden";
+constexpr const char* kMend = "  (after a change of the format: target rewrite_golden)";
+
+Bytes file(const std::string& name) {
+  const auto bytes = read_file_bytes(kFolder / name);
+  EXPECT_TRUE(bytes.ok()) << name;
+  return bytes.ok() ? *bytes : Bytes{};
+}
+
+std::string text(const std::string& name) {
+  return std::string(as_text(file(name)));
+}
+
+const std::vector<GoldenCase>& cases() {
+  static const auto all = golden_cases(kFolder);
+  EXPECT_TRUE(all.ok()) << all.error().message;
+  return *all;
+}
+
+TEST(Golden, VectorsDecodeToTheSameCountsAndFloats) {
+  std::string found = "# case frame slices readings crc32c(counts) crc32c(cloud)\n";
+  for (const GoldenCase& c : cases()) {
+    const auto frames = decode_golden(file(c.name + ".plc"));
+    ASSERT_TRUE(frames.ok()) << c.name << ": " << frames.error().message;
+    found += expected_lines(c.name, *frames);
+    if (c.dump)
+      EXPECT_EQ(dump_lines(frames->front(), c.config.camera.width), text(c.name + ".txt"))
+          << c.name;
+  }
+  EXPECT_EQ(found, text("expected.txt")) << kMend;
+}
+
+TEST(Golden, LosslessVectorsDecodeToTheirInputs) {
+  for (const GoldenCase& c : cases()) {
+    const auto frames = decode_golden(file(c.name + ".plc"));
+    ASSERT_TRUE(frames.ok());
+    ASSERT_EQ(frames->size(), std::max(c.depth.size(), c.clouds.size()));
+    for (std::size_t i = 0; i < frames->size(); ++i) {
+      const GoldenFrame& frame = (*frames)[i];
+      if (c.config.kind == FrameKind::kDepth) {
+        if (c.config.tolerance == ToleranceKind::kLossless)
+          EXPECT_EQ(frame.depth, c.depth[i]) << c.name;
+        continue;
+      }
+      for (std::size_t p = 0; p < frame.cloud.size(); ++p) {
+        const Point3f &in = c.clouds[i][p], &out = frame.cloud[p];
+        const bool reading = in.x - in.x == 0 && in.y - in.y == 0 && in.z - in.z == 0;
+        if (reading)
+          ASSERT_TRUE(in.x == out.x && in.y == out.y && in.z == out.z) << c.name << " " << p;
+        else
+          ASSERT_TRUE(out.x != out.x && out.y != out.y && out.z != out.z) << c.name << " " << p;
+      }
+    }
+  }
+}
+
+TEST(Golden, EncodingTheSameFramesGivesTheSameBytes) {
+  for (const GoldenCase& c : cases()) {
+    const auto again = encode_golden(c);
+    ASSERT_TRUE(again.ok()) << again.error().message;
+    const Bytes golden = file(c.name + ".plc");
+    EXPECT_TRUE(*again == golden) << c.name << ": " << again->size() << " bytes, golden "
+                                  << golden.size() << kMend;
+  }
+}
+
+TEST(Golden, EverySpoiltPacketEndsWithTheStatusInItsName) {
+  const Bytes depth = file("metres_160x120.plc"), raw = file("raw_64x48.plc");
+  const BadBench bench(depth, raw);
+  std::map<std::string, int> seen;
+  for (const auto& entry : fs::directory_iterator(kFolder / "bad")) {
+    const std::string name = entry.path().filename().string();
+    const std::size_t split = name.find("__");
+    ASSERT_NE(split, std::string::npos) << name;
+    const Status status = bench.decode(name.substr(split + 2), file("bad/" + name));
+    EXPECT_EQ(to_string(status), name.substr(0, split)) << name << kMend;
+    ++seen[name.substr(0, split)];
+  }
+  // kTooLarge needs a decoder whose parts disagree, or a file of 2^28 bytes.
+  for (const char* status :
+       {"kTruncated", "kBadMagic", "kUnsupportedVersion", "kReservedBits", "kBadCheck",
+        "kFieldRange", "kUnknownKey", "kBadSymbol", "kTrailingBytes", "kFrameTooLarge"}) {
+    EXPECT_GT(seen[status], 0) << status;
+  }
+}
+
+TEST(Golden, SpoiltPacketsAreThoseThatTheProgramMakes) {
+  const Bytes depth = file("metres_160x120.plc"), raw = file("raw_64x48.plc");
+  const auto made = bad_packets(BadBench(depth, raw), file("lossless_1x1.plc"));
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  for (const BadPacket& packet : *made)
+    EXPECT_TRUE(packet.bytes == file("bad/" + packet.file_name())) << packet.file_name() << kMend;
+}
+
+TEST(Golden, VectorsCoverWhatTheyAreNamedFor) {
+  const auto slices = [](const std::string& name) {
+    const auto frames = decode_golden(file(name + ".plc"));
+    return frames.ok() ? int{frames->front().slices} : -1;
+  };
+  EXPECT_EQ(slices("lossless_160x120"), 1);
+  EXPECT_GT(slices("lossless_slices_160x120"), 4);
+  EXPECT_EQ(slices("wide_2100x1"), 2) << "a tile has at most 256 blocks a side";
+  EXPECT_EQ(slices("lossless_1x1"), 1);
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(kFolder))
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  EXPECT_LT(bytes, 300'000U);
+}
+
+}  // namespace
+}  // namespace planecast::test
