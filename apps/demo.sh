@@ -240,8 +240,7 @@ frames_out=$(balance "frames out")
 patience=$((SECONDS + 60))
 while alive "$receiver_pid" && [ $SECONDS -lt $patience ] && [ "$daemon_code" -eq 0 ]; do
   line=$(last "$received" t=)
-  have=$(($(field frames "$line" | tr - 0) + $(field lost "$line" | tr - 0)))
-  [ "$have" -lt "$frames_out" ] || break
+  [ "$(field frames "$line" | tr - 0)" -lt "$frames_out" ] || break
   [ "$(tail -n 2 "$received" | grep -c 'hz=0\.00')" -lt 2 ] || break
   sleep 0.1 || true
 done
@@ -273,8 +272,8 @@ awk -v input="$input${repeat:+ x $repeat}" -v tolerance="$tolerance" -v frames="
   BEGIN {
     raw = 12 * points
     row("input", sprintf("%s, tolerance %s", input, tolerance))
-    row("frames", sprintf("%d given, %d sent, %d received whole, %d incomplete, %d lost", frames, out,
-        complete, partial, frames - complete - partial))
+    row("frames", sprintf("%d given, %d dropped, %d sent, %d received whole, %d incomplete, %d lost",
+        frames, frames - out, out, complete, partial, out - complete - partial))
     allowed = dropped > 0 ? sprintf(" (%d dropped, as the options say)", dropped) : ""
     row("points", sprintf("%d received%s", points, allowed))
     row("raw", sprintf("%.2f MB, 12 bytes a point", raw / 1e6))
@@ -294,8 +293,8 @@ done
 if [ "$receiver_code" -ne 0 ] || [ "$complete" -ne "$frames_in" ] || [ "$frames_in" -eq 0 ]; then
   sed -n 's/^planecast-recv: /  /p' "$temporary/receiver.log" >&2
   [ "$frames_out" -eq "$frames_in" ] ||
-    echo "  planecastd dropped $((frames_in - frames_out)) frames: this computer is too slow for the" \
-      "rate; try --rate 15 or --wait" >&2
+    echo "  planecastd dropped $((frames_in - frames_out)) frames: this computer is too slow, or too" \
+      "busy, for the rate; try a lower --rate, or --wait" >&2
   die "not every frame arrived whole and within its bound"
 fi
 echo "  every frame arrived whole, every point within its bound"

@@ -20,7 +20,7 @@ code=0
 "$demo" sim:room:10 --no-setup --no-build --build-dir "$1" --rate 10 --wait \
   --out "$folder/result" >"$folder/talk" 2>&1 </dev/null || code=$?
 [ "$code" -eq 0 ] || fail "the demo ended with $code"
-grep -q "10 given, 10 sent, 10 received whole, 0 incomplete, 0 lost" "$folder/talk" ||
+grep -q "10 given, 0 dropped, 10 sent, 10 received whole, 0 incomplete, 0 lost" "$folder/talk" ||
   fail "the table does not count ten frames"
 grep -Eq "max error .* of its bound, over 10 frames checked" "$folder/talk" ||
   fail "the table does not name the error"
