@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <memory>
+#include <ostream>
 #include <string>
 
 namespace planecast {
@@ -31,6 +32,11 @@ struct Case {
   std::uint32_t width, height;
   std::uint64_t preloaded;
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << (c.kind == FrameKind::kDepth ? "depth " : "raw cloud ") << c.width << 'x' << c.height
+       << ", " << c.preloaded << " preloaded";
+}
 
 class MemoryPlanOf : public testing::TestWithParam<Case> {};
 

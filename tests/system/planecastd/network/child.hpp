@@ -69,7 +69,7 @@ class Child {
   }
 
   /// The exit code, 128 + signal when one ended it, -1 when it still runs after `limit`.
-  int wait(std::chrono::seconds limit = std::chrono::seconds(120)) {
+  int wait(std::chrono::seconds limit = std::chrono::seconds(250)) {
     const auto end = std::chrono::steady_clock::now() + limit;
     while (pid_ > 0 && std::chrono::steady_clock::now() < end) {
       int status = 0;
