@@ -77,6 +77,38 @@ TEST(BoundTable, TheBoundHoldsAtTheWidestRaysAndFullDepth) {
   }
 }
 
+// Bounds that some counts along the longest ray just fill leave no room but what is kept for the
+// rounding of coordinates.
+TEST(BoundTable, BoundsFilledToTheBrimLeaveRoomForTheRoundingToFloat) {
+  StreamConfig c;
+  c.camera.width = c.camera.height = 17;
+  c.camera.fx_q16 = c.camera.fy_q16 = 65536;
+  c.camera.cx_q16 = c.camera.cy_q16 = 8 * 65536;
+  c.camera.unit_pm = 1'000'000'000;
+  c.tolerance = ToleranceKind::kMetres;
+  int filled = 0;
+  for (std::uint32_t counts = 1; counts < 4; ++counts) {
+    for (std::uint32_t more = 0; more < 24; ++more) {
+      // sqrt(8^2 + 8^2 + 1) mm a count, in 0.1 um, and up to 0.1 mm.
+      c.tolerance_100nm = static_cast<std::uint32_t>(counts * 113'579.0) + more * 40;
+      const PredictBench b(c);
+      for (std::uint32_t depth = 64'001; depth < 65'500; ++depth) {
+        const std::uint32_t error =
+            b.bounds.max_error(static_cast<std::uint16_t>(depth), b.bounds.ray_class(2, 2));
+        filled += error == counts;
+        for (const std::uint32_t side : {0U, 16U}) {
+          for (const std::uint32_t other : {depth - error, depth + error}) {
+            ASSERT_LE(distance(exact_point(b, side, 16, depth), float_point(b, side, 16, other)),
+                      c.tolerance_100nm * 1e-7)
+                << counts << " counts at " << depth;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(filled, 1000);
+}
+
 TEST(BoundTable, TheErrorUsesTheBoundUpToItsRayClassAndOneCount) {
   for (std::uint64_t seed = 100; seed < 130; ++seed) {
     Pcg32 random(seed);
