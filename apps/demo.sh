@@ -182,7 +182,7 @@ received=$temporary/receiver.status
 sent=$temporary/daemon.status
 echo "demo.sh: $input${repeat:+ x $repeat}, tolerance $tolerance; loading the original to compare with"
 "$receiver" --reference "$input" "${options[@]}" --status "$received" --last "$cloud" \
-  --picture "$picture" --timeout 120 >/dev/null 2>"$temporary/receiver.log" &
+  --picture "$picture" --streams 1 --timeout 120 >/dev/null 2>"$temporary/receiver.log" &
 receiver_pid=$!
 while alive "$receiver_pid" && [ -z "$(last "$received" ready=1)" ]; do sleep 0.1; done
 
@@ -295,6 +295,8 @@ if [ "$receiver_code" -ne 0 ] || [ "$complete" -ne "$frames_in" ] || [ "$frames_
   [ "$frames_out" -eq "$frames_in" ] ||
     echo "  planecastd dropped $((frames_in - frames_out)) frames: this computer is too slow, or too" \
       "busy, for the rate; try a lower --rate, or --wait" >&2
+  [ "$(field skipped "$r")" = 0 ] ||
+    echo "  planecast-recv was too slow, or held up, for $(field skipped "$r") frames" >&2
   die "not every frame arrived whole and within its bound"
 fi
 echo "  every frame arrived whole, every point within its bound"

@@ -23,6 +23,8 @@ constexpr std::uint32_t kLiveDeadlineMs = 100;
 // and of liblcm allocating while it holds more than its usual 100 messages.
 constexpr std::uint32_t kPatientDeadlineMs = 1000;
 constexpr std::uint16_t kPatientQueue = 1000;
+// Frames that wait for a receiving thread held up: about a second of one stream.
+constexpr std::uint16_t kKeptFrames = 32, kLeastKeptFrames = 8;
 constexpr const char* kSinks = "Output";
 constexpr const char* kReports = "Reports";
 constexpr const char* kRun = "Run";
@@ -164,7 +166,8 @@ SubscriberConfig subscriber_for(const RecvOptions& options, const CodecOptions& 
       std::clamp<std::uint64_t>(pixels * 2 + pixels / 4, 1U << 20U, 1U << 28U));
   assembly.max_slices = std::clamp<std::uint32_t>(assembly.max_frame_bytes / 200, 2048, 65535);
   const bool every = options.keeps_every_frame();
-  assembly.output_frames = every ? 8 : 1;
+  assembly.output_frames =
+      every ? std::max<std::uint16_t>(kKeptFrames / options.streams, kLeastKeptFrames) : 1;
   const std::uint32_t deadline_ms = options.deadline_ms != 0 ? options.deadline_ms
                                     : every                  ? kPatientDeadlineMs
                                                              : kLiveDeadlineMs;

@@ -51,6 +51,8 @@ TEST(RecvOptions, AnyFrameOfTheLargestSizeFitsTheAssembler) {
     EXPECT_EQ(config.assembly.output_frames, 1U);
     options.frames = 10;
     EXPECT_EQ(subscriber_for(options, {}).assembly.output_frames, 8U);
+    options.streams = 1;
+    EXPECT_EQ(subscriber_for(options, {}).assembly.output_frames, 32U);
   }
 }
 
