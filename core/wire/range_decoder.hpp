@@ -1,7 +1,8 @@
 // The decoder of range_encoder.hpp. Reads zeros past the end, and counts them: a stream that
-// needs more than a few was cut.
+// needs more than an encoder ever leaves out was cut.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -14,11 +15,12 @@ namespace planecast {
 class RangeDecoder {
  public:
   explicit RangeDecoder(std::span<const std::uint8_t> in) noexcept : in_(in) {
-    for (int i = 0; i < 4; ++i) code_ = (code_ << 8U) | next();
+    code_ = next_word();
+    code_ = (code_ << 32U) | next_word();
   }
 
   bool bit(BitModel& model) noexcept {
-    const std::uint32_t split = (range_ >> 16U) * model.probability();
+    const std::uint64_t split = (range_ >> 16U) * model.probability();
     const bool value = code_ < split;
     if (value) {
       range_ = split;
@@ -31,40 +33,51 @@ class RangeDecoder {
     return value;
   }
 
+  /// `count` bits (1..16), each equally likely.
   std::uint32_t raw(int count) noexcept {
     range_ >>= count;
-    std::uint32_t value = code_ / range_;
-    const std::uint32_t most = (1U << count) - 1U;
-    if (value > most) value = most;  // only in corrupt streams
+    const std::uint64_t most = (std::uint64_t{1} << count) - 1;
+    const std::uint64_t value = std::min(code_ / range_, most);  // more: only in corrupt streams
     code_ -= value * range_;
     normalise();
-    return value;
+    return static_cast<std::uint32_t>(value);
   }
 
   /// True when more bytes were needed than an encoder's finish() ever leaves out.
-  bool truncated() const noexcept { return past_end_ > 5; }
+  bool truncated() const noexcept { return past_end_ > 8; }
   /// True when bytes are left that no decision used.
   bool trailing() const noexcept { return used_ < in_.size(); }
 
  private:
-  std::uint32_t next() noexcept {
-    if (used_ < in_.size()) return in_[used_++];
-    ++past_end_;
-    return 0;
+  static constexpr std::uint64_t kLeastRange = std::uint64_t{1} << 32U;
+
+  std::uint64_t next_word() noexcept {
+    std::uint32_t word = 0;
+    if (in_.size() - used_ >= 4) {
+      for (unsigned i = 0; i < 4; ++i) word = (word << 8U) | in_[used_ + i];
+      used_ += 4;
+      return word;
+    }
+    for (unsigned i = 0; i < 4; ++i) {
+      const bool left = used_ < in_.size();
+      word = (word << 8U) | (left ? in_[used_] : 0U);
+      used_ += left ? 1 : 0;
+      past_end_ += left ? 0 : 1;
+    }
+    return word;
   }
 
   void normalise() noexcept {
-    while (range_ < (1U << 24U)) {
-      range_ <<= 8U;
-      code_ = (code_ << 8U) | next();
-    }
+    if (range_ >= kLeastRange) return;
+    range_ <<= 32U;
+    code_ = (code_ << 32U) | next_word();
   }
 
   std::span<const std::uint8_t> in_;
   std::size_t used_ = 0;
   std::size_t past_end_ = 0;
-  std::uint32_t range_ = 0xffffffffU;
-  std::uint32_t code_ = 0;
+  std::uint64_t range_ = ~std::uint64_t{0};
+  std::uint64_t code_ = 0;
 };
 
 }  // namespace planecast

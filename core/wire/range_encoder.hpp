@@ -1,7 +1,8 @@
-// Binary range encoder (32-bit range, carry by a counter of pending 0xff bytes, after Martin 1979
-// as used in LZMA) into memory of fixed size.
+// Binary range encoder into memory of fixed size: 64-bit range, 32 bits out at a time, a carry goes
+// back into the bytes already written (after Martin 1979).
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,82 +18,80 @@ class RangeEncoder {
   explicit RangeEncoder(std::span<std::uint8_t> out) noexcept : out_(out) {}
 
   void bit(BitModel& model, bool value) noexcept {
-    const std::uint32_t split = (range_ >> 16U) * model.probability();
+    const std::uint64_t split = (range_ >> 16U) * model.probability();
     if (value) {
       range_ = split;
     } else {
-      low_ += split;
+      add(split);
       range_ -= split;
     }
     model.update(value);
-    normalise();
+    if (range_ < kLeastRange) shift();
   }
 
   /// `count` bits (1..16) of `value`, each costing one bit.
   void raw(std::uint32_t value, int count) noexcept {
     range_ >>= count;
-    low_ += std::uint64_t{value} * range_;
-    normalise();
+    add(value * range_);
+    if (range_ < kLeastRange) shift();
   }
 
   /// Ends the stream with as few bytes as tell it apart; returns the bytes written.
   std::size_t finish() noexcept {
     // The value in [low, low + range) with the most trailing zero bits; zeros need not be sent,
-    // the decoder reads zeros past the end.
-    for (int zeros = 31; zeros >= 0; --zeros) {
+    // the decoder reads zeros past the end. Range is at least 2^32: some value is always found.
+    for (int zeros = 63; zeros >= 0; --zeros) {
       const std::uint64_t mask = (std::uint64_t{1} << zeros) - 1;
-      const std::uint64_t value = (low_ + mask) & ~mask;
-      if (value < low_ + range_) {
-        low_ = value;
+      const std::uint64_t up = (low_ + mask) & ~mask;  // may pass 2^64: a carry
+      if (up - low_ >= range_) continue;
+      add(up - low_);
+      break;
+    }
+    for (; low_ != 0; low_ <<= 8U) {
+      if (used_ == out_.size()) {
+        overflow_ = true;
         break;
       }
+      out_[used_++] = static_cast<std::uint8_t>(low_ >> 56U);
     }
-    const std::size_t needed = size();
-    for (int i = 0; i < 5; ++i) shift();
-    while (used_ > needed && !overflow_ && out_[used_ - 1] == 0) --used_;
     return used_;
   }
 
   bool overflow() const noexcept { return overflow_; }
-  /// Bytes written so far; a few more are pending.
-  std::size_t size() const noexcept { return used_ + pending_; }
+  /// Bytes written so far; up to eight more are pending.
+  std::size_t size() const noexcept { return used_; }
 
  private:
-  void normalise() noexcept {
-    while (range_ < (1U << 24U)) {
-      range_ <<= 8U;
-      shift();
+  static constexpr std::uint64_t kLeastRange = std::uint64_t{1} << 32U;
+
+  void add(std::uint64_t value) noexcept {
+    low_ += value;
+    if (low_ < value) carry();
+  }
+
+  void carry() noexcept {
+    for (std::size_t i = used_; i > 0 && ++out_[i - 1] == 0; --i) {
     }
   }
 
   void shift() noexcept {
-    if (static_cast<std::uint32_t>(low_) < 0xff000000U || (low_ >> 32U) != 0) {
-      const auto carry = static_cast<std::uint8_t>(low_ >> 32U);
-      if (started_) put(static_cast<std::uint8_t>(cache_ + carry));
-      for (; pending_ > 0; --pending_) put(static_cast<std::uint8_t>(0xffU + carry));
-      started_ = true;
-      cache_ = static_cast<std::uint8_t>(low_ >> 24U);
-    } else {
-      ++pending_;
-    }
-    low_ = (low_ & 0x00ffffffU) << 8U;
-  }
-
-  void put(std::uint8_t byte) noexcept {
-    if (used_ < out_.size()) {
-      out_[used_++] = byte;
-    } else {
+    const auto word = static_cast<std::uint32_t>(low_ >> 32U);
+    low_ <<= 32U;
+    range_ <<= 32U;
+    if (out_.size() - used_ < 4) {
       overflow_ = true;
+      return;
     }
+    for (unsigned i = 0; i < 4; ++i) {
+      out_[used_ + i] = static_cast<std::uint8_t>(word >> (24U - 8U * i));
+    }
+    used_ += 4;
   }
 
   std::span<std::uint8_t> out_;
   std::size_t used_ = 0;
-  std::size_t pending_ = 0;
   std::uint64_t low_ = 0;
-  std::uint32_t range_ = 0xffffffffU;
-  std::uint8_t cache_ = 0;
-  bool started_ = false;
+  std::uint64_t range_ = ~std::uint64_t{0};
   bool overflow_ = false;
 };
 

@@ -102,12 +102,17 @@ struct RawModels {
 struct RawState {
   float at[3] = {};
   std::int32_t step = 0;
-  double miss[2] = {};      ///< of the two other coordinates' ratios from their rays
+  double miss[2] = {};       ///< of the two other coordinates' ratios from their rays
   std::int8_t size[4] = {};  ///< signed bit lengths of the residuals
   bool valid = false;
 };
 
-/// States a raw tile of `bw` blocks needs: two rows with a border of two on both sides.
+/// States of one row of a raw tile of `bw` blocks, with a border of two on both sides so that
+/// neighbours outside the tile read as holes; a tile needs two rows.
+inline constexpr std::uint32_t kRowBorder = 2;
+inline std::size_t row_states(std::uint32_t bw) noexcept {
+  return std::size_t{bw} * 8 + 2 * kRowBorder;
+}
 inline std::size_t raw_states(std::uint32_t bw) noexcept {
   return 2 * row_states(bw);
 }

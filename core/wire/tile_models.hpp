@@ -2,6 +2,7 @@
 // "Tile". Both halves start every tile from the same trained constants.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "core/predict/pixel_predictor.hpp"
@@ -33,6 +34,9 @@ struct TileModels {
   BitModel jump_length[1 << kJumpBits];
   BitModel jump_top[17];
 };
+
+/// The models as one array, in the order of their declaration.
+inline constexpr std::size_t kTileModelCount = sizeof(TileModels) / sizeof(BitModel);
 
 /// Models at the start of a tile, for lossless and for bounded streams.
 const TileModels& trained_models(bool lossless) noexcept;

@@ -1,7 +1,10 @@
 #include "core/wire/tile_pack.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
+
+#include "core/wire/tile_write.hpp"
 
 namespace planecast {
 namespace {
@@ -18,36 +21,6 @@ struct LocalSurfaces {
     frame_of[count] = label;
   }
 };
-
-void code_coefficient(RangeEncoder& coder, std::int32_t value, int shift) noexcept {
-  const std::int32_t scaled = value >> shift;
-  const auto magnitude = static_cast<std::uint32_t>(std::abs(scaled));
-  const int length = static_cast<int>(std::bit_width(magnitude));
-  coder.raw(static_cast<std::uint32_t>(length), 5);
-  if (length == 0) return;
-  coder.raw(scaled < 0 ? 1 : 0, 1);
-  if (length > 16) coder.raw(magnitude >> 16U, length - 16);
-  const int low = std::min(length, 16);
-  coder.raw(magnitude & ((1U << low) - 1U), low);
-}
-
-void code_tree(RangeEncoder& coder, BitModel* models, int bits, std::uint32_t value) noexcept {
-  std::uint32_t node = 1;
-  for (int i = bits - 1; i >= 0; --i) {
-    const bool bit = ((value >> i) & 1U) != 0;
-    coder.bit(models[node], bit);
-    node = node * 2 + (bit ? 1 : 0);
-  }
-}
-
-void code_rect(RangeEncoder& coder, const CameraModel& camera, const TileRect& rect) noexcept {
-  const int xb = position_bits(blocks_wide(camera));
-  const int yb = position_bits(blocks_high(camera));
-  coder.raw(rect.bx, xb);
-  coder.raw(rect.by, yb);
-  coder.raw(rect.bw - 1, std::min(xb, 8));
-  coder.raw(rect.bh - 1, std::min(yb, 8));
-}
 
 std::uint16_t first_reading(const FrameModel& frame, const TileSpan& span,
                             std::uint32_t width) noexcept {
@@ -80,10 +53,22 @@ struct TilePacker::Job {
   }
 };
 
+// Eight pixels of one row, within one block.
+struct TilePacker::Segment {
+  BlockState& block;
+  PixelPlace place;  ///< of the current pixel
+  std::uint8_t ray_class;
+  std::uint32_t x0, x1;      ///< columns within the tile
+  std::uint32_t v;           ///< row of the image
+  const std::uint16_t* row;  ///< counts of the tile's row
+  Token* tokens;             ///< of the tile's row
+};
+
 void TilePacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   const std::uint32_t blocks = std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks);
-  rows_ = arena.take<PixelState>(3 * row_states(blocks));
+  rows_ = arena.take<PixelRow>(3);
   tokens_ = arena.take<Token>(std::size_t{blocks} * 64);
+  jumps_ = arena.take<Jump>(std::size_t{blocks} * 64);
   blocks_ = arena.take<BlockState>(2 * std::size_t{blocks});
   surfaces_ = arena.take<BlockSurface>(blocks);
 }
@@ -99,8 +84,9 @@ Status TilePacker::pack(const CodingTables& tables, const FrameModel& frame, con
       std::size_t{job.span.u1 - job.span.u0} * (job.span.v1 - job.span.v0) * 2 + 8;
   RangeEncoder coder(out.first(std::min(out.size(), verbatim_bytes)));
   models_ = trained_models(tables.bounds->lossless());
+  jumps_in_ = jumps_out_ = 0;
   code_head(job, coder);
-  std::fill_n(rows_.begin(), 3 * row_states(rect.bw), PixelState{});
+  clear_rows(rows_, rect.bw);
   for (std::uint32_t row = 0; row < rect.bh && !coder.overflow(); ++row) {
     open_block_row(job, row);
     const std::uint32_t begin = job.span.v0 + row * 8;
@@ -174,74 +160,79 @@ void TilePacker::open_block_row(Job& job, std::uint32_t row) noexcept {
 
 void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
   const std::uint32_t tile_v = v - job.span.v0;
-  RowCursor cursor(rows_.data(), job.rect.bw, tile_v);
+  const TileRows rows(rows_, tile_v);
+  const std::uint16_t* row = &job.frame.depth[std::size_t{v} * job.width() + job.span.u0];
   Token* tokens = tokens_.data() + std::size_t{tile_v % 8} * job.rect.bw * 8;
-  const std::uint16_t* depth = &job.frame.depth[std::size_t{v} * job.width() + job.span.u0];
   BlockState* blocks = blocks_.data() + ((tile_v / 8) & 1U) * job.rect.bw;
-  for (std::uint32_t x = 0; x < job.span.u1 - job.span.u0; ++x) {
-    const Neighbourhood& around = cursor.look(x);
-    Token& token = tokens[x];
-    BlockState& block = blocks[x / 8];
-    token.reading = depth[x] != 0;
-    if (block.full == 0) token.mask_context = static_cast<std::uint8_t>(cursor.mask(x));
-    PixelState state;
-    if (token.reading) state = quantise_reading(job, around, x, tile_v, depth[x], block, token);
-    cursor.leave(x, state);
-  }
-}
-
-PixelState TilePacker::quantise_reading(Job& job, const Neighbourhood& around, std::uint32_t x,
-                                        std::uint32_t tile_v, std::uint16_t depth,
-                                        BlockState& block, Token& token) noexcept {
-  const BoundTable& bounds = *job.tables.bounds;
-  const std::uint8_t ray_class = bounds.ray_class(job.rect.bx + x / 8, job.rect.by + tile_v / 8);
-  const std::uint32_t limit = bounds.max_error(depth, ray_class);
-  PixelState state;
-  token.choice = 0;
-  if (job.surfaces_kind && block.label.first != 0) {
-    token.choice_context = static_cast<std::uint8_t>(choice_context(around));
-    state = choose_surface(job, x, tile_v, depth, limit, block, token);
-    if (token.choice != 1) block.uniform = 0;
-  }
-  if (token.choice == 0) {
-    const bool labelled = block.label.first != 0;
-    const BlockSurface& s = surfaces_[x / 8];
-    const std::int32_t at = labelled ? s.at(x % 8, tile_v % 8) : 0;
-    const PixelPrediction p =
-        predict_pixel(around, labelled, at, s.dx, s.dy, bounds.half_widths(ray_class),
-                      job.last_level, job.fallback);
-    token.correction_context = p.correction_context;
-    token.sign_context = p.sign_context;
-    token.magnitude_context = p.magnitude_context;
-    const std::int32_t level = correct(job, p, depth, limit, token);
-    if (token.correction != 0) {
-      block.corrected = 1;
-      ++job.corrections;
+  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
+    const std::uint32_t x0 = i * 8, x1 = std::min(x0 + 8, job.span.u1 - job.span.u0);
+    if (blocks[i].any == 0) {
+      rows.here.clear(x0, x1);
+      continue;
     }
-    state = pixel_state(p, level, token.correction);
+    const BoundTable& bounds = *job.tables.bounds;
+    const std::uint8_t ray_class = bounds.ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
+    Segment segment{blocks[i], {}, ray_class, x0, x1, v, row, tokens};
+    segment.place = PixelPlace(bounds.half_widths(ray_class), job.last_level);
+    if (blocks[i].label.first != 0) {
+      const BlockSurface& surface = surfaces_[i];
+      segment.place.lie_on(surface.at(0, tile_v % 8), surface.dx, surface.dy);
+    }
+    quantise_segment(job, rows, segment);
   }
-  job.fallback = state.level;
-  return state;
 }
 
-PixelState TilePacker::choose_surface(const Job& job, std::uint32_t x, std::uint32_t tile_v,
-                                      std::uint16_t depth, std::uint32_t limit,
-                                      const BlockState& block, Token& token) const noexcept {
-  PixelState state;
-  const std::uint32_t u = job.span.u0 + x, v = job.span.v0 + tile_v;
-  const std::int32_t rx = job.tables.rays->x(u, v), ry = job.tables.rays->y(u, v);
-  for (int side = 1; side <= 2; ++side) {
-    const std::uint8_t label = side == 1 ? block.label.first : block.label.second;
+void TilePacker::quantise_segment(Job& job, const TileRows& rows, Segment& segment) noexcept {
+  const bool choosing = job.surfaces_kind && segment.place.has_surface;
+  std::int32_t fallback = job.fallback;
+  for (std::uint32_t x = segment.x0; x < segment.x1; ++x) {
+    const Neighbourhood around = rows.around(x);
+    const std::uint16_t depth = segment.row[x];
+    Token& token = segment.tokens[x];
+    if (segment.block.full == 0) token.mask_context = mask_context(around);
+    if (depth == 0) {
+      token.kind = PixelKind::kHole;
+      rows.here.clear(x, x + 1);
+    } else {
+      if (choosing) token.choice_context = choice_context(around);
+      if (!choosing || !choose_surface(job, segment, x, depth, token, rows.here)) {
+        const PixelPrediction p = predict_pixel(around, segment.place, fallback);
+        const PixelContexts contexts = pixel_contexts(around, p);
+        token.kind = PixelKind::kPredicted;
+        token.correction_context = contexts.correction;
+        token.sign_context = contexts.sign;
+        token.magnitude_context = contexts.magnitude;
+        const std::uint32_t limit = job.tables.bounds->max_error(depth, segment.ray_class);
+        const std::int32_t level = correct(job, p, depth, limit, token);
+        keep_pixel(rows.here, around.at, p, level, token.correction);
+        if (token.correction != 0) {
+          segment.block.corrected = 1;
+          ++job.corrections;
+        }
+      }
+      if (token.kind != PixelKind::kFirstSurface) segment.block.uniform = 0;
+      fallback = rows.here.level[around.at];
+    }
+    segment.place.step_right();
+  }
+  job.fallback = fallback;
+}
+
+bool TilePacker::choose_surface(const Job& job, const Segment& segment, std::uint32_t x,
+                                std::uint16_t depth, Token& token, PixelRow& row) const noexcept {
+  const std::uint32_t limit = job.tables.bounds->max_error(depth, segment.ray_class);
+  const std::uint32_t u = job.span.u0 + x;
+  const std::int32_t rx = job.tables.rays->x(u, segment.v), ry = job.tables.rays->y(u, segment.v);
+  for (const bool second : {false, true}) {
+    const std::uint8_t label = second ? segment.block.label.second : segment.block.label.first;
     if (label == 0) break;
     const std::uint16_t on = surface_depth(job.surface(label), rx, ry);
     if (on == 0 || static_cast<std::uint32_t>(std::abs(int{on} - int{depth})) > limit) continue;
-    token.choice = static_cast<std::uint8_t>(side);
-    token.correction = 0;
-    state.level = job.tables.levels->nearest(on);
-    state.choice = token.choice;
-    return state;
+    token.kind = second ? PixelKind::kSecondSurface : PixelKind::kFirstSurface;
+    keep_chosen(row, x + PixelRow::kBorder, job.tables.levels->nearest(on), second ? 2 : 1);
+    return true;
   }
-  return state;
+  return false;
 }
 
 std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
@@ -254,23 +245,23 @@ std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::
   token.correction = 0;
   if (within(p.level)) return p.level;
   const std::int32_t own = levels.nearest(depth);
-  const int sign =
-      own > p.level || (own == p.level && depth > levels.depth(static_cast<std::uint32_t>(own)))
-          ? 1
-          : -1;
+  const bool up =
+      own > p.level || (own == p.level && depth > levels.depth(static_cast<std::uint32_t>(own)));
+  const int sign = up ? 1 : -1;
   const std::int32_t step = p.step();
   // The first step whose window may hold the reading, and the two after it.
-  const std::int32_t first = std::max(1, (std::abs(own - p.level) - 2 * p.half_width) / step);
+  const std::int32_t least = std::abs(own - p.level) - 2 * p.half_width;
+  const std::int32_t first = least < 2 * step ? 1 : least / step;
   for (std::int32_t n = first; n <= first + 3 && n <= kMaxUnary; ++n) {
     const std::int32_t level = p.level + sign * n * step;
     if (level < 1 || level > job.last_level) break;
     if (!within(level)) continue;
-    token.correction = static_cast<std::int16_t>(sign * n);
+    token.correction = static_cast<std::int8_t>(sign * n);
     return level;
   }
-  token.correction = static_cast<std::int16_t>(sign * (kMaxUnary + 1));
-  token.jump = within(own) ? std::abs(own - p.level) : 0;
-  token.raw_depth = token.jump == 0 ? depth : std::uint16_t{0};
+  token.correction = static_cast<std::int8_t>(sign * (kMaxUnary + 1));
+  const bool near_own = within(own);
+  jumps_[jumps_in_++] = {near_own ? std::abs(own - p.level) : 0, depth};
   return own;
 }
 
@@ -287,14 +278,17 @@ void TilePacker::code_block_row(Job& job, RangeEncoder& coder, std::uint32_t row
   const std::uint32_t columns = job.span.u1 - job.span.u0;
   for (std::uint32_t y = 0; y < rows; ++y) {
     const Token* tokens = tokens_.data() + std::size_t{y} * job.rect.bw * 8;
-    for (std::uint32_t x = 0; x < columns; ++x) {
-      const BlockState& block = blocks[x / 8];
+    for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
+      const BlockState& block = blocks[i];
       // Nothing to say of most pixels.
-      if (block.any == 0) continue;
-      if (block.full != 0 && block.corrected == 0 && block.uniform != 0) continue;
-      code_pixel(job, coder, block, tokens[x]);
+      const bool mixed = job.surfaces_kind && block.label.first != 0 && block.uniform == 0;
+      if (block.any == 0 || (block.full != 0 && block.corrected == 0 && !mixed)) continue;
+      for (std::uint32_t x = i * 8; x < std::min(i * 8 + 8, columns); ++x) {
+        code_pixel(job, coder, block, tokens[x]);
+      }
     }
   }
+  jumps_in_ = jumps_out_ = 0;
 }
 
 void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
@@ -330,17 +324,23 @@ void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockStat
 
 void TilePacker::code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
                             const Token& token) noexcept {
-  if (block.full == 0) coder.bit(models_.mask[token.mask_context], token.reading);
-  if (!token.reading) return;
+  const bool reading = token.kind != PixelKind::kHole;
+  if (block.full == 0) coder.bit(models_.mask[token.mask_context], reading);
+  if (!reading) return;
   if (job.surfaces_kind && block.label.first != 0 && block.uniform == 0) {
-    coder.bit(models_.on_surface[0][token.choice_context], token.choice == 1);
-    if (token.choice != 1 && block.label.second != 0) {
-      coder.bit(models_.on_surface[1][token.choice_context], token.choice == 2);
+    const bool first = token.kind == PixelKind::kFirstSurface;
+    coder.bit(models_.on_surface[0][token.choice_context], first);
+    if (!first && block.label.second != 0) {
+      coder.bit(models_.on_surface[1][token.choice_context],
+                token.kind == PixelKind::kSecondSurface);
     }
   }
-  if (token.choice != 0 || block.corrected == 0) return;
+  if (token.kind != PixelKind::kPredicted || block.corrected == 0) return;
   coder.bit(models_.correction[token.correction_context], token.correction != 0);
-  if (token.correction == 0) return;
+  if (token.correction != 0) code_correction(coder, token);
+}
+
+void TilePacker::code_correction(RangeEncoder& coder, const Token& token) noexcept {
   coder.bit(models_.sign[token.sign_context], token.correction > 0);
   const int more = std::abs(int{token.correction}) - 1;
   BitModel* unary = models_.magnitude[token.magnitude_context];
@@ -348,11 +348,12 @@ void TilePacker::code_pixel(const Job& job, RangeEncoder& coder, const BlockStat
     coder.bit(unary[i], more > i);
     if (more <= i) return;
   }
-  const auto distance = static_cast<std::uint32_t>(token.jump);
+  const Jump jump = jumps_[jumps_out_++];
+  const auto distance = static_cast<std::uint32_t>(jump.levels);
   const int length = static_cast<int>(std::bit_width(distance));
   code_tree(coder, models_.jump_length, kJumpBits, static_cast<std::uint32_t>(length));
   if (length == 0) {
-    coder.raw(token.raw_depth, 16);
+    coder.raw(jump.raw_depth, 16);
   } else if (length > 1) {
     coder.bit(models_.jump_top[length], ((distance >> (length - 2)) & 1U) != 0);
     if (length > 2) coder.raw(distance & ((1U << (length - 2)) - 1U), length - 2);

@@ -31,41 +31,46 @@ class TilePacker {
               std::span<std::uint8_t> out, TileReport& report) noexcept;
 
  private:
+  enum class PixelKind : std::uint8_t { kHole, kPredicted, kFirstSurface, kSecondSurface };
+  /// What is to be coded of one pixel.
   struct Token {
-    std::int32_t jump = 0;        ///< signed levels of a jump
-    std::int16_t correction = 0;  ///< signed steps; +-(kMaxUnary + 1) announces a jump
     std::uint16_t correction_context = 0;
-    std::uint16_t raw_depth = 0;  ///< not zero: the count itself follows the jump sign
+    std::int8_t correction = 0;  ///< signed steps; +-(kMaxUnary + 1) announces a jump
     std::uint8_t sign_context = 0;
     std::uint8_t magnitude_context = 0;
     std::uint8_t mask_context = 0;
     std::uint8_t choice_context = 0;
-    std::uint8_t choice = 0;  ///< surfaces kind: 0 off, 1 first, 2 second
-    bool reading = false;
+    PixelKind kind = PixelKind::kHole;
+  };
+  /// Where a correction is too far for steps; in coding order.
+  struct Jump {
+    std::int32_t levels = 0;  ///< 0: the count itself follows
+    std::uint16_t raw_depth = 0;
   };
   struct Job;
+  struct Segment;
 
   void code_head(Job& job, RangeEncoder& coder) noexcept;
   void open_block_row(Job& job, std::uint32_t row) noexcept;
   void quantise_row(Job& job, std::uint32_t v) noexcept;
-  PixelState quantise_reading(Job& job, const Neighbourhood& around, std::uint32_t x,
-                              std::uint32_t tile_v, std::uint16_t depth, BlockState& block,
-                              Token& token) noexcept;
-  PixelState choose_surface(const Job& job, std::uint32_t x, std::uint32_t tile_v,
-                            std::uint16_t depth, std::uint32_t limit, const BlockState& block,
-                            Token& token) const noexcept;
-  static std::int32_t correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
-                              std::uint32_t limit, Token& token) noexcept;
+  void quantise_segment(Job& job, const TileRows& rows, Segment& segment) noexcept;
+  bool choose_surface(const Job& job, const Segment& segment, std::uint32_t x, std::uint16_t depth,
+                      Token& token, PixelRow& row) const noexcept;
+  std::int32_t correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
+                       std::uint32_t limit, Token& token) noexcept;
   void code_block_row(Job& job, RangeEncoder& coder, std::uint32_t row) noexcept;
   void code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const BlockNeighbours& n) noexcept;
   void code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const Token& token) noexcept;
+  void code_correction(RangeEncoder& coder, const Token& token) noexcept;
   Status pack_verbatim(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
                        std::span<std::uint8_t> out, TileReport& report) noexcept;
 
-  std::span<PixelState> rows_;        ///< three rows with borders
-  std::span<Token> tokens_;           ///< eight rows
+  std::span<PixelRow> rows_;  ///< three rows with borders
+  std::span<Token> tokens_;   ///< eight rows
+  std::span<Jump> jumps_;     ///< of a block row
+  std::uint32_t jumps_in_ = 0, jumps_out_ = 0;
   std::span<BlockState> blocks_;      ///< two block rows
   std::span<BlockSurface> surfaces_;  ///< one for each block of a block row
   TileModels models_;

@@ -6,9 +6,11 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/model/frame_model.hpp"
 #include "core/model/stream_config.hpp"
+#include "core/predict/block_surface.hpp"
 #include "core/predict/bound_table.hpp"
 #include "core/predict/level_table.hpp"
 #include "core/predict/pixel_predictor.hpp"
@@ -26,7 +28,7 @@ struct CodingTables {
 };
 
 /// Most blocks along one side of a tile.
-inline constexpr std::uint32_t kMaxTileBlocks = 256;
+inline constexpr std::uint32_t kMaxTileBlocks = kMaxTileSide / 8;
 
 /// A rectangle of blocks.
 struct TileRect {
@@ -78,10 +80,11 @@ inline int label_context(const BlockNeighbours& n) noexcept {
 }
 
 /// Context of a pixel's "is there a reading", from eight causal neighbours.
-inline int mask_context(const Neighbourhood& n, bool urr, bool uul) noexcept {
-  return (n.l.level != 0) | (n.u.level != 0) << 1 | (n.ul.level != 0) << 2 |
-         (n.ur.level != 0) << 3 | (n.ll != 0) << 4 | (n.uu != 0) << 5 | int{urr} << 6 |
-         int{uul} << 7;
+inline std::uint8_t mask_context(const Neighbourhood& n) noexcept {
+  const int context = (n.l() != 0) | (n.u() != 0) << 1 | (n.ul() != 0) << 2 | (n.ur() != 0) << 3 |
+                      (n.ll() != 0) << 4 | (n.uu() != 0) << 5 |
+                      (n.above.level[n.at + 2] != 0) << 6 | (n.above.level[n.at - 2] != 0) << 7;
+  return static_cast<std::uint8_t>(context);
 }
 
 /// The pixels of a tile: columns u0 .. u1-1, rows v0 .. v1-1 of the image.
@@ -94,55 +97,30 @@ inline TileSpan tile_span(const CameraModel& camera, const TileRect& rect) noexc
           std::min<std::uint32_t>((rect.by + rect.bh) * 8, camera.height)};
 }
 
-/// Pixel states a tile of `bw` blocks needs: three rows, each with a border of two on both sides,
-/// so that neighbours outside the tile read as "no reading".
-inline constexpr std::uint32_t kRowBorder = 2;
-inline std::size_t row_states(std::uint32_t bw) noexcept {
-  return std::size_t{bw} * 8 + 2 * kRowBorder;
-}
+/// The rows of a tile around row `tile_v`: three in turn, all holes before the first.
+struct TileRows {
+  PixelRow& here;
+  PixelRow& above;
+  PixelRow& above2;
 
-/// Walks one row of a tile, keeping the neighbourhood of the current pixel.
-class RowCursor {
- public:
-  /// `rows`: 3 * row_states(bw) states, all empty before a tile's first row; tile_v counts rows.
-  RowCursor(PixelState* rows, std::uint32_t bw, std::uint32_t tile_v) noexcept
-      : current_(rows + (tile_v % 3) * row_states(bw) + kRowBorder),
-        above_(rows + ((tile_v + 2) % 3) * row_states(bw) + kRowBorder),
-        above2_(rows + ((tile_v + 1) % 3) * row_states(bw) + kRowBorder) {
-    around_.u = above_[0];
+  TileRows(std::span<PixelRow> rows, std::uint32_t tile_v) noexcept
+      : here(rows[tile_v % 3]), above(rows[(tile_v + 2) % 3]), above2(rows[(tile_v + 1) % 3]) {}
+
+  /// Neighbourhood of pixel x.
+  Neighbourhood around(std::uint32_t x) const noexcept {
+    return {here, above, above2, x + PixelRow::kBorder};
   }
-
-  /// Neighbourhood of pixel x (0 first, then one more each call).
-  const Neighbourhood& look(std::uint32_t x) noexcept {
-    around_.ur = above_[x + 1];
-    around_.uu = above2_[x].level;
-    return around_;
-  }
-
-  /// Context of "is there a reading" at pixel x, after look(x).
-  int mask(std::uint32_t x) const noexcept {
-    return mask_context(around_, above_[x + 2].level != 0, (above_ + x - kRowBorder)->level != 0);
-  }
-
-  /// Keeps what pixel x became and moves on.
-  void leave(std::uint32_t x, const PixelState& state) noexcept {
-    current_[x] = state;
-    around_.ll = around_.l.level;
-    around_.l = state;
-    around_.ul = around_.u;
-    around_.u = around_.ur;
-  }
-
- private:
-  PixelState* current_;
-  const PixelState* above_;
-  const PixelState* above2_;
-  Neighbourhood around_;
 };
 
+/// Makes the first bw blocks of all three rows, and what lies right of them, holes.
+inline void clear_rows(std::span<PixelRow> rows, std::uint32_t bw) noexcept {
+  for (PixelRow& row : rows) row.clear(0, bw * 8 + PixelRow::kBorder);
+}
+
 /// Context of which surface a pixel is on, in surfaces kind.
-inline int choice_context(const Neighbourhood& n) noexcept {
-  return (n.l.choice * 3 + n.u.choice) * 3 + n.ul.choice;
+inline std::uint8_t choice_context(const Neighbourhood& n) noexcept {
+  return static_cast<std::uint8_t>((n.here.choice[n.at - 1] * 3 + n.above.choice[n.at]) * 3 +
+                                   n.above.choice[n.at - 1]);
 }
 
 /// Decision after which a tile stores counts as they are.

@@ -34,7 +34,6 @@ struct TileUnpacker::Job {
   TileContent& content;
   TileSpan span;
   bool surfaces_kind = false;
-  Status status = Status::kOk;  ///< first impossible value met inside a row
   std::int32_t last_level = 1;
   std::int32_t fallback = 1;
   Surface surfaces[kMaxSurfaces + 1] = {};
@@ -43,9 +42,19 @@ struct TileUnpacker::Job {
   std::uint32_t width() const noexcept { return tables.config->camera.width; }
 };
 
+// Eight pixels of one row, within one block.
+struct TileUnpacker::Segment {
+  const BlockState& block;
+  PixelPlace place;      ///< of the current pixel
+  std::uint32_t x0, x1;  ///< columns within the tile
+  std::uint32_t v;       ///< row of the image
+  std::uint16_t* depth;  ///< of the tile's row
+  std::uint8_t* labels;  ///< of the tile's row, or null
+};
+
 void TileUnpacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   const std::uint32_t blocks = std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks);
-  rows_ = arena.take<PixelState>(3 * row_states(blocks));
+  rows_ = arena.take<PixelRow>(3);
   blocks_ = arena.take<BlockState>(2 * std::size_t{blocks});
   surfaces_ = arena.take<BlockSurface>(blocks);
 }
@@ -63,7 +72,7 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   if (content.verbatim) {
     status = read_verbatim(job, coder);
   } else {
-    std::fill_n(rows_.begin(), 3 * row_states(job.rect().bw), PixelState{});
+    clear_rows(rows_, job.rect().bw);
     for (std::uint32_t row = 0; row < job.rect().bh && status == Status::kOk; ++row) {
       status = read_block_row(job, coder, row);
       const std::uint32_t end = std::min(row * 8 + 8, job.span.v1 - job.span.v0);
@@ -188,86 +197,98 @@ Status TileUnpacker::read_block(Job& job, RangeDecoder& coder, BlockState& block
 }
 
 Status TileUnpacker::read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_v) noexcept {
-  RowCursor cursor(rows_.data(), job.rect().bw, tile_v);
+  const TileRows rows(rows_, tile_v);
   const std::size_t begin = std::size_t{job.span.v0 + tile_v} * job.width() + job.span.u0;
   std::uint16_t* depth = job.target.depth.data() + begin;
   std::uint8_t* labels = job.target.labels.empty() ? nullptr : job.target.labels.data() + begin;
   const BlockState* blocks = blocks_.data() + ((tile_v / 8) & 1U) * job.rect().bw;
-  for (std::uint32_t x = 0; x < job.span.u1 - job.span.u0; ++x) {
-    const Neighbourhood& around = cursor.look(x);
-    const BlockState& block = blocks[x / 8];
-    PixelState state;
-    depth[x] = 0;
-    const bool reading =
-        block.any != 0 && (block.full != 0 || coder.bit(models_.mask[cursor.mask(x)]));
-    if (reading) {
-      state = read_reading(job, coder, around, x, tile_v, block, depth[x]);
+  for (std::uint32_t i = 0; i < job.rect().bw; ++i) {
+    const std::uint32_t x0 = i * 8, x1 = std::min(x0 + 8, job.span.u1 - job.span.u0);
+    if (blocks[i].any == 0) {
+      rows.here.clear(x0, x1);
+      std::fill(depth + x0, depth + x1, std::uint16_t{0});
+      if (labels != nullptr) std::fill(labels + x0, labels + x1, std::uint8_t{0});
+      continue;
+    }
+    const BoundTable& bounds = *job.tables.bounds;
+    const std::uint8_t ray_class = bounds.ray_class(job.rect().bx + i, job.rect().by + tile_v / 8);
+    Segment segment{blocks[i], {}, x0, x1, job.span.v0 + tile_v, depth, labels};
+    segment.place = PixelPlace(bounds.half_widths(ray_class), job.last_level);
+    if (blocks[i].label.first != 0) {
+      const BlockSurface& surface = surfaces_[i];
+      segment.place.lie_on(surface.at(0, tile_v % 8), surface.dx, surface.dy);
+    }
+    if (!read_segment(job, coder, rows, segment)) return Status::kBadSymbol;
+  }
+  return Status::kOk;
+}
+
+// False for a value that no encoder writes.
+bool TileUnpacker::read_segment(Job& job, RangeDecoder& coder, const TileRows& rows,
+                                Segment& segment) noexcept {
+  const BlockState& block = segment.block;
+  const bool choosing = job.surfaces_kind && segment.place.has_surface;
+  const LevelTable& levels = *job.tables.levels;
+  std::int32_t fallback = job.fallback;
+  for (std::uint32_t x = segment.x0; x < segment.x1; ++x, segment.place.step_right()) {
+    const Neighbourhood around = rows.around(x);
+    std::uint16_t depth = 0;
+    std::uint8_t label = 0, choice = 0;
+    if (block.full == 0 && !coder.bit(models_.mask[mask_context(around)])) {
+      rows.here.clear(x, x + 1);
+    } else if (choosing && read_choice(coder, around, segment, choice)) {
+      label = choice == 1 ? block.label.first : block.label.second;
+      depth = surface_depth(job.surfaces[label], job.tables.rays->x(job.span.u0 + x, segment.v),
+                            job.tables.rays->y(job.span.u0 + x, segment.v));
+      if (depth == 0) return false;
+      fallback = levels.nearest(depth);
+      keep_chosen(rows.here, around.at, fallback, choice);
       ++job.content.points;
-      if (state.level == 0 || depth[x] == 0) return Status::kBadSymbol;
+    } else {
+      const PixelPrediction p = predict_pixel(around, segment.place, fallback);
+      std::int32_t level = p.level, correction = 0;
+      if (block.corrected != 0) {
+        const PixelContexts contexts = pixel_contexts(around, p);
+        if (coder.bit(models_.correction[contexts.correction])) {
+          level = read_correction(job, coder, p, contexts, correction, depth);
+          if (level < 1 || level > job.last_level) return false;
+          ++job.content.corrections;
+        }
+      }
+      if (depth == 0) depth = levels.depth(static_cast<std::uint32_t>(level));
+      keep_pixel(rows.here, around.at, p, level, correction);
+      fallback = level;
+      if (!job.surfaces_kind) label = block.label.first;
+      ++job.content.points;
     }
-    if (labels != nullptr) {
-      const bool second = state.choice == 2;
-      const bool off = job.surfaces_kind && state.choice == 0;
-      labels[x] =
-          !reading || off ? std::uint8_t{0} : (second ? block.label.second : block.label.first);
-    }
-    cursor.leave(x, state);
+    segment.depth[x] = depth;
+    if (segment.labels != nullptr) segment.labels[x] = label;
   }
-  return job.status;
+  job.fallback = fallback;
+  return true;
 }
 
-PixelState TileUnpacker::read_reading(Job& job, RangeDecoder& coder, const Neighbourhood& around,
-                                      std::uint32_t x, std::uint32_t tile_v,
-                                      const BlockState& block, std::uint16_t& depth) noexcept {
-  const bool labelled = block.label.first != 0;
-  PixelState state;
-  if (job.surfaces_kind && labelled) {
-    int choice = 1;
-    if (block.uniform == 0) {
-      const int context = choice_context(around);
-      choice = coder.bit(models_.on_surface[0][context]) ? 1 : 0;
-      if (choice == 0 && block.label.second != 0)
-        choice = coder.bit(models_.on_surface[1][context]) ? 2 : 0;
-    }
-    if (choice != 0) {
-      const std::uint8_t label = choice == 1 ? block.label.first : block.label.second;
-      const std::uint32_t u = job.span.u0 + x, v = job.span.v0 + tile_v;
-      depth =
-          surface_depth(job.surfaces[label], job.tables.rays->x(u, v), job.tables.rays->y(u, v));
-      state.level = job.tables.levels->nearest(depth);
-      state.choice = static_cast<std::uint8_t>(choice);
-      job.fallback = std::max<std::int32_t>(1, state.level);
-      return state;
+// True when the pixel is on one of its block's surfaces; says which.
+bool TileUnpacker::read_choice(RangeDecoder& coder, const Neighbourhood& around,
+                               const Segment& segment, std::uint8_t& choice) noexcept {
+  const BlockState& block = segment.block;
+  choice = 1;
+  if (block.uniform == 0) {
+    const int context = choice_context(around);
+    choice = coder.bit(models_.on_surface[0][context]) ? 1 : 0;
+    if (choice == 0 && block.label.second != 0) {
+      choice = coder.bit(models_.on_surface[1][context]) ? 2 : 0;
     }
   }
-  const BoundTable& bounds = *job.tables.bounds;
-  const std::uint8_t ray_class =
-      bounds.ray_class(job.rect().bx + x / 8, job.rect().by + tile_v / 8);
-  const BlockSurface& s = surfaces_[x / 8];
-  const std::int32_t at = labelled ? s.at(x % 8, tile_v % 8) : 0;
-  const PixelPrediction p =
-      predict_pixel(around, labelled, at, s.dx, s.dy, bounds.half_widths(ray_class), job.last_level,
-                    job.fallback);
-  std::int32_t level = p.level;
-  std::int32_t correction = 0;
-  if (block.corrected != 0 && coder.bit(models_.correction[p.correction_context])) {
-    level = read_correction(job, coder, p, correction, depth);
-    ++job.content.corrections;
-  }
-  if (level < 1 || level > job.last_level) {
-    job.status = Status::kBadSymbol;
-    level = 1;
-  }
-  if (depth == 0) depth = job.tables.levels->depth(static_cast<std::uint32_t>(level));
-  job.fallback = level;
-  return pixel_state(p, level, correction);
+  return choice != 0;
 }
 
+// 0 for a level that is none.
 std::int32_t TileUnpacker::read_correction(Job& job, RangeDecoder& coder, const PixelPrediction& p,
-                                           std::int32_t& correction,
+                                           const PixelContexts& contexts, std::int32_t& correction,
                                            std::uint16_t& depth) noexcept {
-  const int sign = coder.bit(models_.sign[p.sign_context]) ? 1 : -1;
-  BitModel* unary = models_.magnitude[p.magnitude_context];
+  const int sign = coder.bit(models_.sign[contexts.sign]) ? 1 : -1;
+  BitModel* unary = models_.magnitude[contexts.magnitude];
   int more = 0;
   while (more < kMaxUnary && coder.bit(unary[more])) ++more;
   correction = sign * (more + 1);
@@ -275,13 +296,9 @@ std::int32_t TileUnpacker::read_correction(Job& job, RangeDecoder& coder, const 
   const auto length = static_cast<int>(read_tree(coder, models_.jump_length, kJumpBits));
   if (length == 0) {
     depth = static_cast<std::uint16_t>(coder.raw(16));
-    if (depth == 0) job.status = Status::kBadSymbol;
-    return std::max<std::int32_t>(1, job.tables.levels->nearest(depth));
+    return job.tables.levels->nearest(depth);
   }
-  if (length > 16) {
-    job.status = Status::kBadSymbol;
-    return p.level;
-  }
+  if (length > 16) return 0;
   std::int32_t distance = 1;
   if (length > 1) {
     distance = 2 + (coder.bit(models_.jump_top[length]) ? 1 : 0);

@@ -42,8 +42,12 @@ class TileUnpacker {
   Status unpack(const CodingTables& tables, std::span<const std::uint8_t> in,
                 const TileTarget& target, TileContent& content) noexcept;
 
+  /// The models as the tile decoded last left them; what training the starts reads.
+  const TileModels& models() const noexcept { return models_; }
+
  private:
   struct Job;
+  struct Segment;
 
   Status read_head(Job& job, RangeDecoder& coder) noexcept;
   Status read_verbatim(Job& job, RangeDecoder& coder) noexcept;
@@ -51,13 +55,14 @@ class TileUnpacker {
                     const BlockNeighbours& n) noexcept;
   Status read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept;
   Status read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_v) noexcept;
-  PixelState read_reading(Job& job, RangeDecoder& coder, const Neighbourhood& around,
-                          std::uint32_t x, std::uint32_t tile_v, const BlockState& block,
-                          std::uint16_t& depth) noexcept;
+  bool read_segment(Job& job, RangeDecoder& coder, const TileRows& rows, Segment& segment) noexcept;
+  bool read_choice(RangeDecoder& coder, const Neighbourhood& around, const Segment& segment,
+                   std::uint8_t& choice) noexcept;
   std::int32_t read_correction(Job& job, RangeDecoder& coder, const PixelPrediction& p,
-                               std::int32_t& correction, std::uint16_t& depth) noexcept;
+                               const PixelContexts& contexts, std::int32_t& correction,
+                               std::uint16_t& depth) noexcept;
 
-  std::span<PixelState> rows_;
+  std::span<PixelRow> rows_;
   std::span<BlockState> blocks_;
   std::span<BlockSurface> surfaces_;
   TileModels models_;

@@ -166,12 +166,12 @@ void add_slices(Collection& c, const Bytes& slice, const Bytes& raw) {
     e.raw(20, 5);
     e.raw(20, 5);
   });
-  c.add(Status::kTrailingBytes, "slice_tail", slice, [](Bytes& b) { b.resize(b.size() + 6); });
+  c.add(Status::kTrailingBytes, "slice_tail", slice, [](Bytes& b) { b.resize(b.size() + 9); });
   c.search(Status::kBadSymbol, "slice_symbol", slice);
   c.search(Status::kTruncated, "slice_runs_out", slice);
 
   c.add(Status::kTruncated, "raw_cut", raw, [](Bytes& b) { b.resize(kBody + 40); });
-  c.add(Status::kTrailingBytes, "raw_tail", raw, [](Bytes& b) { b.resize(b.size() + 6); });
+  c.add(Status::kTrailingBytes, "raw_tail", raw, [](Bytes& b) { b.resize(b.size() + 9); });
   c.add_body(Status::kFieldRange, "raw_axis", raw, [&](RangeEncoder& e) {
     rect(e, 0, 3, 2, 3);
     e.raw(0, 1);

@@ -4,18 +4,18 @@
 # 4 and 5
 class Coder:
     def __init__(self, data):
-        self.data, self.at, self.range, self.code = data, 0, 0xFFFFFFFF, 0
-        for _ in range(4):
-            self.shift()
+        self.data, self.at, self.range, self.code = data, 0, (1 << 64) - 1, 0
+        self.shift()
+        self.shift()
 
     def shift(self):
-        byte = self.data[self.at] if self.at < len(self.data) else 0
-        self.at += 1
-        self.code = (self.code << 8 | byte) & 0xFFFFFFFF
+        word = self.data[self.at:self.at + 4].ljust(4, b"\0")
+        self.at += 4
+        self.code = (self.code << 32 | int.from_bytes(word, "big")) & ((1 << 64) - 1)
 
     def normalise(self):
-        while self.range < 1 << 24:
-            self.range <<= 8
+        if self.range < 1 << 32:
+            self.range <<= 32
             self.shift()
 
     def bit(self, model):
@@ -51,7 +51,7 @@ class Coder:
         return node - (1 << n)
 
     def ended(self):
-        return len(self.data) <= self.at <= len(self.data) + 5
+        return len(self.data) <= self.at <= len(self.data) + 8
 
 
 class Models:

@@ -184,7 +184,8 @@ def check_arrows(tree):
                 or target.startswith(("/".join(path.split("/")[:2]) + "/", "apps/common/"))
                 if top == "apps" else
                 target_top in ("core", "transport", top)
-                or (path.startswith(("tests/apps/", "tests/system/")) and target_top == "apps"))
+                or (path.startswith(("tests/apps/", "tests/system/")) and target_top == "apps")
+                or (top == "bench" and target.startswith("apps/common/")))
             if not allowed:
                 yield path, line, f'{room or top} may not include "{target}"'
 

@@ -12,53 +12,77 @@
 namespace planecast {
 namespace {
 
-PixelState level(std::uint16_t value) {
-  PixelState s;
-  s.level = value;
-  return s;
-}
+// A neighbourhood whose rows the test fills in.
+struct Around {
+  PixelRow rows[3];
+  static constexpr std::size_t kAt = 10;
+
+  void set_l(std::uint16_t level) { rows[0].level[kAt - 1] = level; }
+  void set_u(std::uint16_t level) { rows[1].level[kAt] = level; }
+  void set_ul(std::uint16_t level) { rows[1].level[kAt - 1] = level; }
+  void set_ur(std::uint16_t level) { rows[1].level[kAt + 1] = level; }
+  void set_ll(std::uint16_t level) { rows[0].level[kAt - 2] = level; }
+  void set_uu(std::uint16_t level) { rows[2].level[kAt] = level; }
+  void set_near(std::uint16_t level) {
+    set_l(level);
+    set_u(level);
+    set_ul(level);
+    set_ur(level);
+  }
+  void set_misses(std::uint32_t surface, std::uint32_t neighbour) {
+    rows[0].misses[kAt - 1] = rows[1].misses[kAt] = surface << 16U | neighbour;
+  }
+  Neighbourhood view() const { return {rows[0], rows[1], rows[2], kAt}; }
+};
 
 std::vector<std::uint8_t> half_widths(std::uint8_t value) {
   return std::vector<std::uint8_t>(65536, value);
 }
 
-PixelPrediction predict(const Neighbourhood& n, std::uint8_t half = 0) {
-  return predict_pixel(n, false, 0, 0, 0, half_widths(half).data(), 65535, 77);
+PixelPrediction predict(const Around& n, std::uint8_t half = 0) {
+  const auto halves = half_widths(half);
+  return predict_pixel(n.view(), PixelPlace(halves.data(), 65535), 77);
+}
+
+PixelPrediction predict_on(const Around& n, std::int32_t surface_q8, std::uint8_t half = 0) {
+  const auto halves = half_widths(half);
+  PixelPlace place(halves.data(), 65535);
+  place.lie_on(surface_q8, 0, 0);
+  return predict_pixel(n.view(), place, 77);
 }
 
 TEST(PixelPredictor, NeighboursPredictByTheirMedian) {
-  Neighbourhood n;
-  n.l = level(100);
-  n.u = level(110);
-  n.ul = level(105);
+  Around n;
+  n.set_l(100);
+  n.set_u(110);
+  n.set_ul(105);
   EXPECT_EQ(predict(n).level, 105);
-  n.ul = level(90);
+  n.set_ul(90);
   EXPECT_EQ(predict(n).level, 110);
-  n.ul = level(150);
+  n.set_ul(150);
   EXPECT_EQ(predict(n).level, 100);
 }
 
 TEST(PixelPredictor, MissingNeighboursAreReplacedInAFixedOrder) {
-  Neighbourhood n;
+  Around n;
   EXPECT_EQ(predict(n).level, 77) << "the pixel coded last";
-  n.uu = 11;
+  n.set_uu(11);
   EXPECT_EQ(predict(n).level, 11);
-  n.ll = 12;
+  n.set_ll(12);
   EXPECT_EQ(predict(n).level, 12);
-  n.ul = level(13);
+  n.set_ul(13);
   EXPECT_EQ(predict(n).level, 13);
-  n.ur = level(14);
+  n.set_ur(14);
   EXPECT_EQ(predict(n).level, 14);
-  n.u = level(15);
+  n.set_u(15);
   EXPECT_EQ(predict(n).level, 15);
-  n.l = level(16);
-  n.ul = level(0);
+  n.set_l(16);
+  n.set_ul(0);
   EXPECT_EQ(predict(n).level, 16);
 }
 
 TEST(PixelPredictor, TheSurfacePredictsWhereThereIsNoNeighbour) {
-  const auto half = half_widths(2);
-  const PixelPrediction p = predict_pixel({}, true, 1000 * 256 + 128, 0, 0, half.data(), 65535, 77);
+  const PixelPrediction p = predict_on(Around(), 1000 * 256 + 128, 2);
   EXPECT_EQ(p.level, 1001);
   EXPECT_EQ(p.surface, 1001);
   EXPECT_EQ(p.neighbour, 77);
@@ -66,26 +90,56 @@ TEST(PixelPredictor, TheSurfacePredictsWhereThereIsNoNeighbour) {
 }
 
 TEST(PixelPredictor, TheSideThatMissedLessIsTaken) {
-  const auto half = half_widths(0);
-  Neighbourhood n;
-  n.l = n.u = n.ul = n.ur = level(1000);
-  n.l.surface_miss = n.u.surface_miss = 3;
-  EXPECT_EQ(predict_pixel(n, true, 1002 * 256, 0, 0, half.data(), 65535, 1).level, 1000)
-      << "the surface missed by more than its advance";
-  n.l.neighbour_miss = n.u.neighbour_miss = 2;
-  const PixelPrediction p = predict_pixel(n, true, 1002 * 256, 0, 0, half.data(), 65535, 1);
+  Around n;
+  n.set_near(1000);
+  n.set_misses(3, 0);
+  EXPECT_EQ(predict_on(n, 1002 * 256).level, 1000) << "the surface missed by more than its advance";
+  n.set_misses(3, 2);
+  const PixelPrediction p = predict_on(n, 1002 * 256);
   EXPECT_EQ(p.level, p.surface);
 }
 
 TEST(PixelPredictor, DecodedNeighboursDrawTheSurfaceTowardsThem) {
-  const auto half = half_widths(0);
-  Neighbourhood n;
-  n.l = n.u = n.ul = n.ur = level(1010);
-  const PixelPrediction p = predict_pixel(n, true, 1000 * 256, 0, 0, half.data(), 65535, 1);
-  EXPECT_EQ(p.surface, 1009) << "nine tenths of the way";
-  n.l = n.u = n.ul = n.ur = level(1100);
-  EXPECT_EQ(predict_pixel(n, true, 1000 * 256, 0, 0, half.data(), 65535, 1).surface, 1000)
-      << "too far off to be on the surface";
+  Around n;
+  n.set_near(1010);
+  EXPECT_EQ(predict_on(n, 1000 * 256).surface, 1009) << "nine tenths of the way";
+  n.set_near(1100);
+  EXPECT_EQ(predict_on(n, 1000 * 256).surface, 1000) << "too far off to be on the surface";
+}
+
+TEST(PixelPredictor, DriftFollowsTheSlopesAndTheWeightsOfThoseThatCount) {
+  Pcg32 random(5);
+  const auto halves = half_widths(1);
+  for (int i = 0; i < 20'000; ++i) {
+    Around n;
+    const std::int32_t at = 1000 * 256 + static_cast<std::int32_t>(random.below(512));
+    const std::int32_t dx = static_cast<std::int32_t>(random.below(2000)) - 1000;
+    const std::int32_t dy = static_cast<std::int32_t>(random.below(2000)) - 1000;
+    struct Side {
+      std::int32_t expected_q8, weight;
+      void (Around::*set)(std::uint16_t);
+    };
+    const Side sides[4] = {{at - dx, 4, &Around::set_l},
+                           {at - dy, 4, &Around::set_u},
+                           {at - dx - dy, 1, &Around::set_ul},
+                           {at + dx - dy, 2, &Around::set_ur}};
+    std::int64_t sum = 0;
+    std::size_t weight = 0;
+    for (const Side& side : sides) {
+      const auto level =
+          static_cast<std::int32_t>(random.below(3) == 0 ? 0 : 980 + random.below(40));
+      (n.*side.set)(static_cast<std::uint16_t>(level));
+      const std::int32_t off = level * 256 - side.expected_q8;
+      if (level == 0 || std::abs(off) > 15 * 256) continue;
+      sum += std::int64_t{off} * side.weight;
+      weight += static_cast<std::size_t>(side.weight);
+    }
+    PixelPlace place(halves.data(), 65535);
+    place.lie_on(at - dx, dx, dy);
+    place.step_right();
+    ASSERT_EQ(detail::surface_drift_q8(n.view(), place, 15 * 256),
+              (sum * detail::kDriftScale[weight]) >> 16);
+  }
 }
 
 TEST(PixelPredictor, StepsLeaveNoLevelUncovered) {
@@ -121,37 +175,39 @@ TEST(PixelPredictor, LevelsAndContextsStayInRangeWhateverTheNeighbourhood) {
     const auto some_level = [&] {
       return static_cast<std::uint16_t>(random.below(3) == 0 ? 0 : 1 + random.below(last));
     };
-    const auto some_state = [&] {
-      PixelState s;
-      s.level = some_level();
-      s.correction = static_cast<std::int8_t>(static_cast<int>(random.below(5)) - 2);
-      s.surface_miss = static_cast<std::uint8_t>(random.below(kMissCap + 1));
-      s.neighbour_miss = static_cast<std::uint8_t>(random.below(kMissCap + 1));
-      return s;
-    };
-    const Neighbourhood n{some_state(), some_state(), some_state(),
-                          some_state(), some_level(), some_level()};
+    Around n;
+    for (PixelRow& row : n.rows) {
+      for (std::size_t x = Around::kAt - 2; x <= Around::kAt + 2; ++x) {
+        row.level[x] = some_level();
+        row.size[x] = static_cast<std::uint8_t>(random.below(3));
+        row.lean[x] = static_cast<std::int8_t>(static_cast<int>(random.below(3)) - 1);
+        row.misses[x] = random.below(kMissCap + 1) << 16U | random.below(kMissCap + 1);
+      }
+    }
     const auto signed_q8 = [&](int bits) {
       return static_cast<std::int32_t>(random.next() >> (32 - bits)) - (1 << (bits - 1));
     };
+    PixelPlace place(half.data(), last);
+    if (random.below(2) != 0) place.lie_on(signed_q8(29), signed_q8(25), signed_q8(25));
     const PixelPrediction p =
-        predict_pixel(n, random.below(2) != 0, signed_q8(29), signed_q8(25), signed_q8(25),
-                      half.data(), last, 1 + static_cast<std::int32_t>(random.below(last)));
+        predict_pixel(n.view(), place, 1 + static_cast<std::int32_t>(random.below(last)));
+    const PixelContexts contexts = pixel_contexts(n.view(), p);
     for (const std::int32_t l : {p.level, p.surface, p.neighbour}) {
       ASSERT_GE(l, 1);
       ASSERT_LE(l, last);
     }
     ASSERT_EQ(p.half_width, half[p.level]);
-    ASSERT_LT(p.correction_context, kCorrectionContexts);
-    ASSERT_LT(p.sign_context, kSignContexts);
-    ASSERT_LT(p.magnitude_context, kMagnitudeContexts);
+    ASSERT_LT(contexts.correction, kCorrectionContexts);
+    ASSERT_LT(contexts.sign, kSignContexts);
+    ASSERT_LT(contexts.magnitude, kMagnitudeContexts);
     const std::int32_t became = 1 + static_cast<std::int32_t>(random.below(last));
-    const PixelState state =
-        pixel_state(p, became, static_cast<std::int32_t>(random.below(27)) - 13);
-    ASSERT_EQ(state.level, became);
-    ASSERT_LE(std::abs(state.correction), 2);
-    ASSERT_LE(state.surface_miss, kMissCap);
-    ASSERT_LE(state.neighbour_miss, kMissCap);
+    PixelRow& row = n.rows[0];
+    keep_pixel(row, Around::kAt, p, became, static_cast<std::int32_t>(random.below(27)) - 13);
+    ASSERT_EQ(row.level[Around::kAt], became);
+    ASSERT_LE(row.size[Around::kAt], 2);
+    ASSERT_LE(std::abs(row.lean[Around::kAt]), 1);
+    ASSERT_LE(row.misses[Around::kAt] >> 16U, kMissCap);
+    ASSERT_LE(row.misses[Around::kAt] & 0xffffU, kMissCap);
   }
 }
 

@@ -153,7 +153,7 @@ TEST(HostileSlices, CutAndLengthenedSlicesEndWithANamedStatus) {
       if (HasFatalFailure()) return;
     }
     Bytes longer = good;
-    longer.resize(good.size() + 6);
+    longer.resize(good.size() + 9);
     test::reseal(longer);
     EXPECT_EQ(target.decode(b, longer, content), Status::kTrailingBytes);
   }

@@ -86,7 +86,7 @@ TEST(RangeCoder, SixZerosBehindAStreamAreTrailing) {
     std::vector<std::uint8_t> bytes(2 * symbols.size() + 16);
     RangeEncoder encoder(bytes);
     bytes.resize(encode(symbols, encoder));
-    bytes.resize(bytes.size() + 6);
+    bytes.resize(bytes.size() + 9);
     RangeDecoder decoder(bytes);
     ASSERT_EQ(matching(symbols, decoder), symbols.size());
     ASSERT_TRUE(decoder.trailing()) << seed;
@@ -99,7 +99,7 @@ TEST(RangeCoder, AStreamThatWasCutIsNoticedOrEndsEarly) {
   std::vector<std::uint8_t> bytes(2000);
   RangeEncoder encoder(bytes);
   bytes.resize(encode(symbols, encoder));
-  for (std::size_t cut = 0; cut + 6 <= bytes.size(); ++cut) {
+  for (std::size_t cut = 0; cut + 9 <= bytes.size(); ++cut) {
     RangeDecoder decoder{std::span(bytes).first(cut)};
     const bool all = matching(symbols, decoder) == symbols.size();
     EXPECT_TRUE(!all || decoder.truncated()) << cut;

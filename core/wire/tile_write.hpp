@@ -1,0 +1,47 @@
+// Composite symbols of a tile, written: numbers as trees, coefficients, rectangles
+// (docs/wire-format.md, "Tile"). Encoder half.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+
+#include "core/wire/range_encoder.hpp"
+#include "core/wire/tile_syntax.hpp"
+
+namespace planecast {
+
+inline void code_coefficient(RangeEncoder& coder, std::int32_t value, int shift) noexcept {
+  const std::int32_t scaled = value >> shift;
+  const auto magnitude = static_cast<std::uint32_t>(std::abs(scaled));
+  const int length = static_cast<int>(std::bit_width(magnitude));
+  coder.raw(static_cast<std::uint32_t>(length), 5);
+  if (length == 0) return;
+  coder.raw(scaled < 0 ? 1 : 0, 1);
+  if (length > 16) coder.raw(magnitude >> 16U, length - 16);
+  const int low = std::min(length, 16);
+  coder.raw(magnitude & ((1U << low) - 1U), low);
+}
+
+inline void code_tree(RangeEncoder& coder, BitModel* models, int bits,
+                      std::uint32_t value) noexcept {
+  std::uint32_t node = 1;
+  for (int i = bits - 1; i >= 0; --i) {
+    const bool bit = ((value >> i) & 1U) != 0;
+    coder.bit(models[node], bit);
+    node = node * 2 + (bit ? 1 : 0);
+  }
+}
+
+inline void code_rect(RangeEncoder& coder, const CameraModel& camera,
+                      const TileRect& rect) noexcept {
+  const int xb = position_bits(blocks_wide(camera));
+  const int yb = position_bits(blocks_high(camera));
+  coder.raw(rect.bx, xb);
+  coder.raw(rect.by, yb);
+  coder.raw(rect.bw - 1, std::min(xb, 8));
+  coder.raw(rect.bh - 1, std::min(yb, 8));
+}
+
+}  // namespace planecast
