@@ -2,6 +2,7 @@
 // Encoder half.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -61,15 +62,24 @@ class FramePacker {
 
  private:
   struct Job;
+  /// Estimated costs in 1/16 bit: of blocks on no surface, and of blocks on one.
+  struct Costs {
+    std::uint32_t of[2] = {};
+  };
 
   void estimate_costs(const CodingTables& tables, const FrameModel& frame) noexcept;
-  std::uint64_t estimate(const Job& job, const TileRect& rect) const noexcept;
+  std::array<double, 2> costs(const Job& job, const TileRect& rect) const noexcept;
+  double estimate(const Job& job, const TileRect& rect) const noexcept;
+  Status pack_whole(Job& job) noexcept;
+  void calibrate(const Job& job, double share) noexcept;
+  static double budget_bits(const Job& job) noexcept;
   Status pack_rect(Job& job, const TileRect& rect) noexcept;
   Status pack_halves(Job& job, const TileRect& rect) noexcept;
 
   TilePacker tiles_;
-  std::span<std::uint32_t> cost_sums_;  ///< summed-area table of block costs, one more each way
-  std::uint32_t scale_q8_ = 256;        ///< measured bits over estimated bits
+  std::span<Costs> cost_sums_;  ///< summed-area table of block costs, one more each way
+  double scales_[2] = {1, 1};   ///< measured bits over estimated bits, off surfaces and on
+  bool calibrated_ = false;     ///< scale_q8_ comes from a frame
 };
 
 }  // namespace planecast
