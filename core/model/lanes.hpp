@@ -57,6 +57,16 @@ inline Float4 keep4(Int4 mask, Float4 value) noexcept {
   return reinterpret_cast<Float4>(mask & reinterpret_cast<Int4>(value));
 }
 
+/// One bit a lane of a mask (all bits or none per lane), the first lane lowest.
+inline unsigned lane_bits(Int4 mask) noexcept {
+#ifdef __SSE2__
+  return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Float4>(mask)));
+#else
+  return (static_cast<unsigned>(mask[0]) & 1U) | (static_cast<unsigned>(mask[1]) & 2U) |
+         (static_cast<unsigned>(mask[2]) & 4U) | (static_cast<unsigned>(mask[3]) & 8U);
+#endif
+}
+
 inline float sum4(Float4 a) noexcept {
   return (a[0] + a[1]) + (a[2] + a[3]);
 }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "core/predict/block_surface.hpp"
 #include "core/predict/pixel_row.hpp"
 
 namespace planecast {
@@ -35,20 +36,28 @@ struct PixelPlace {
   bool has_surface = false;                   ///< its block lies on a surface
   std::int32_t surface_q8 = 0;                ///< that surface at the pixel, in 1/256 level
   std::int32_t dx = 0, dy = 0;                ///< its slopes
+  std::int32_t reach = 0;                     ///< half-width at the surface in the block's middle
+  std::int32_t limit_q8 = 0;                  ///< neighbours further off are not on the surface
   Int4 above_q8 = {};                         ///< the surface at ul, u and ur
+  Int4 limits_q8 = {};                        ///< limit_q8 for these; the fourth never counts
   const std::uint8_t* half_widths = nullptr;  ///< of the pixel's ray class
   std::int32_t last_level = 1;                ///< of the table
 
   PixelPlace() = default;
   PixelPlace(const std::uint8_t* half_widths_of_class, std::int32_t last) noexcept
       : half_widths(half_widths_of_class), last_level(last) {}
-  /// On a surface of the given slopes.
-  void lie_on(std::int32_t at_q8, std::int32_t slope_x, std::int32_t slope_y) noexcept {
+
+  /// At the first pixel of row y of a block that lies on a surface.
+  void lie_on(const BlockSurface& surface, std::uint32_t y) noexcept {
     has_surface = true;
-    surface_q8 = at_q8;
-    dx = slope_x;
-    dy = slope_y;
-    above_q8 = Int4{at_q8 - dx - dy, at_q8 - dy, at_q8 + dx - dy, 0};
+    surface_q8 = surface.at(0, y);
+    dx = surface.dx;
+    dy = surface.dy;
+    const std::int32_t middle = (surface.at(4, 4) + 128) >> 8;
+    reach = half_widths[std::clamp(middle, 1, last_level)];
+    limit_q8 = (12 + 3 * reach) * 256;
+    above_q8 = Int4{surface_q8 - dx - dy, surface_q8 - dy, surface_q8 + dx - dy, 0};
+    limits_q8 = Int4{limit_q8, limit_q8, limit_q8, -1};
   }
   /// One pixel to the right.
   void step_right() noexcept {
@@ -103,13 +112,21 @@ inline int activity_class(int sum, int half) noexcept {
   return kActivity.of[half][std::min(sum, 255)];
 }
 
+/// The lesser of two levels, without a branch: which one it is no processor could guess.
+inline std::int32_t lesser(std::int32_t a, std::int32_t b) noexcept {
+  const std::int32_t less = a - b;
+  return b + (less & (less >> 31));
+}
+
 /// Median of left, above and left + above - above-left; where one is missing, the nearest one
 /// there is.
 [[gnu::always_inline]] inline std::int32_t neighbour_prediction(const Neighbourhood& n,
                                                                 std::int32_t fallback) noexcept {
   const std::int32_t l = n.l(), u = n.u(), ul = n.ul();
   if (l != 0 && u != 0 && ul != 0) {
-    return std::clamp(l + u - ul, std::min(l, u), std::max(l, u));
+    const std::int32_t low = lesser(l, u), high = l + u - low;
+    const std::int32_t capped = lesser(l + u - ul, high);
+    return low + capped - lesser(low, capped);
   }
   for (const std::int32_t level : {l, u, n.ur(), ul, n.ll(), n.uu()}) {
     if (level != 0) return level;
@@ -118,20 +135,18 @@ inline int activity_class(int sum, int half) noexcept {
 }
 
 /// Weighted mean distance of decoded neighbours from the surface, drawn to zero by 0.9, in 1/256
-/// level. Neighbours further than `limit_q8` are not on the surface and do not count.
+/// level. Neighbours further off than the place's limit are not on the surface and do not count.
 [[gnu::always_inline]] inline std::int32_t surface_drift_q8(const Neighbourhood& n,
-                                                            const PixelPlace& place,
-                                                            std::int32_t limit_q8) noexcept {
+                                                            const PixelPlace& place) noexcept {
   const Int4 levels = n.row_above();
   Int4 off = levels * 256 - place.above_q8;
-  const Int4 limit = {limit_q8, limit_q8, limit_q8, -1};  // the fourth never counts
-  const Int4 counts = (levels != 0) & (off <= limit) & (off >= -limit);
+  const Int4 counts = (levels != 0) & (off <= place.limits_q8) & (off >= -place.limits_q8);
   off &= counts;
   const std::int32_t l = n.l();
   const std::int32_t off_l = l * 256 - (place.surface_q8 - place.dx);
-  const bool l_counts = (l != 0) & (off_l <= limit_q8) & (off_l >= -limit_q8);
+  const bool l_counts = (l != 0) & (off_l <= place.limit_q8) & (off_l >= -place.limit_q8);
   const std::int32_t sum = off[0] + 4 * (off[1] + (l_counts ? off_l : 0)) + 2 * off[2];
-  const int set = (counts[0] & 1) | (counts[1] & 2) | (counts[2] & 4) | (l_counts ? 8 : 0);
+  const unsigned set = lane_bits(counts) | (l_counts ? 8U : 0U);
   return static_cast<std::int32_t>((std::int64_t{sum} * kDrift.of[set]) >> 16);
 }
 
@@ -158,64 +173,72 @@ inline int activity_class(int sum, int half) noexcept {
   out.neighbour = detail::neighbour_prediction(n, fallback);
   out.surface = out.neighbour;
   if (place.has_surface) {
-    const std::int32_t at = std::clamp((place.surface_q8 + 128) >> 8, 1, place.last_level);
-    const std::int32_t reach = place.half_widths[at];
-    const std::int32_t drift = detail::surface_drift_q8(n, place, (12 + 3 * reach) * 256);
-    out.surface = std::clamp((place.surface_q8 + drift + 128) >> 8, 1, place.last_level);
+    const std::int32_t at_q8 = place.surface_q8 + detail::surface_drift_q8(n, place);
+    out.surface = std::clamp((at_q8 + 128) >> 8, 1, place.last_level);
     const std::uint32_t misses = n.misses();
-    const auto slack = static_cast<std::uint32_t>(2 * (2 + reach));
+    const auto slack = static_cast<std::uint32_t>(2 * (2 + place.reach));
     // Without neighbours nothing was missed, which the comparison grants to the surface.
     out.by_surface = (misses >> 16U) <= (misses & 0xffffU) + slack;
   }
-  out.level = out.by_surface ? out.surface : out.neighbour;
+  // Without a branch, as above.
+  out.level = out.neighbour ^ ((out.surface ^ out.neighbour) & -std::int32_t{out.by_surface});
   out.half_width = place.half_widths[out.level];
   return out;
 }
 
-/// The contexts in which a pixel's correction is coded.
-struct PixelContexts {
-  std::uint16_t correction = 0;  ///< of "is there one"
-  std::uint8_t sign = 0;
-  std::uint8_t magnitude = 0;
-};
-
-[[gnu::always_inline]] inline PixelContexts pixel_contexts(const Neighbourhood& n,
-                                                           const PixelPrediction& p) noexcept {
-  const std::int32_t sum = detail::activity_sum(n, p.half_width);
-  const int activity =
-      detail::activity_class(sum, p.half_width) + (p.by_surface ? kActivityClasses : 0);
-  const std::int32_t l = n.l();
-  const int tilt = (p.level < l) - (p.level > l);
-  const int sign =
-      (p.by_surface ? 27 : 0) + tilt * 9 + n.here.lean[n.at - 1] * 3 + n.above.lean[n.at] + 13;
-  const int around = std::min(n.here.size[n.at - 1] + n.above.size[n.at], 3);
-  return {static_cast<std::uint16_t>(static_cast<std::uint32_t>(activity) * 81 + n.sizes()),
-          static_cast<std::uint8_t>(sign),
-          static_cast<std::uint8_t>(activity * 3 + (around + 1) / 2)};
+/// Class of the neighbours' differences, apart for the two predictions: 0..2 kActivityClasses - 1.
+[[gnu::always_inline]] inline int pixel_activity(const Neighbourhood& n,
+                                                 const PixelPrediction& p) noexcept {
+  return detail::activity_class(detail::activity_sum(n, p.half_width), p.half_width) +
+         (p.by_surface ? kActivityClasses : 0);
 }
 
-/// Leaves what later pixels need of a predicted pixel at index `at` of its row.
-[[gnu::always_inline]] inline void keep_pixel(PixelRow& row, std::size_t at,
-                                              const PixelPrediction& p, std::int32_t level,
-                                              std::int32_t correction) noexcept {
+/// Context of "is there a correction".
+[[gnu::always_inline]] inline std::uint16_t correction_context(const Neighbourhood& n,
+                                                               int activity) noexcept {
+  return static_cast<std::uint16_t>(static_cast<std::uint32_t>(activity) * 81 + n.sizes());
+}
+
+/// Context of a correction's sign.
+inline std::uint8_t sign_context(const Neighbourhood& n, const PixelPrediction& p) noexcept {
+  const std::int32_t l = n.l();
+  const int tilt = (p.level < l) - (p.level > l);
+  return static_cast<std::uint8_t>((p.by_surface ? 27 : 0) + tilt * 9 +
+                                   n.here.past[n.at - 1].lean * 3 + n.above.past[n.at].lean + 13);
+}
+
+/// Context of a correction's magnitude.
+inline std::uint8_t magnitude_context(const Neighbourhood& n, int activity) noexcept {
+  const int around = std::min(n.here.past[n.at - 1].size + n.above.past[n.at].size, 3);
+  return static_cast<std::uint8_t>(activity * 3 + (around + 1) / 2);
+}
+
+/// Leaves what later pixels need of a pixel at index `at` of its row that took its prediction.
+[[gnu::always_inline]] inline void keep_predicted(PixelRow& row, std::size_t at,
+                                                  const PixelPrediction& p) noexcept {
+  row.level[at] = static_cast<std::uint16_t>(p.level);
+  const auto apart =
+      static_cast<std::uint32_t>(std::min(std::abs(p.surface - p.neighbour), kMissCap));
+  row.past[at] = {apart << (p.by_surface ? 0U : 16U), 0, 0, 0};
+}
+
+/// The same of a pixel with a correction.
+inline void keep_corrected(PixelRow& row, std::size_t at, const PixelPrediction& p,
+                           std::int32_t level, std::int32_t correction) noexcept {
   const auto miss = [&](std::int32_t predicted) {
     return static_cast<std::uint32_t>(std::min(std::abs(level - predicted), kMissCap));
   };
   row.level[at] = static_cast<std::uint16_t>(level);
-  row.size[at] = static_cast<std::uint8_t>(std::min(std::abs(correction), 2));
-  row.lean[at] = static_cast<std::int8_t>((correction > 0) - (correction < 0));
-  row.choice[at] = 0;
-  row.misses[at] = miss(p.surface) << 16U | miss(p.neighbour);
+  row.past[at] = {miss(p.surface) << 16U | miss(p.neighbour),
+                  static_cast<std::uint8_t>(std::abs(correction) > 1 ? 2 : 1),
+                  static_cast<std::int8_t>(correction > 0 ? 1 : -1), 0};
 }
 
 /// The same of a pixel that lies on a surface without a correction (surfaces kind).
 inline void keep_chosen(PixelRow& row, std::size_t at, std::int32_t level,
                         std::uint8_t choice) noexcept {
   row.level[at] = static_cast<std::uint16_t>(level);
-  row.size[at] = 0;
-  row.lean[at] = 0;
-  row.choice[at] = choice;
-  row.misses[at] = 0;
+  row.past[at] = {0, 0, 0, choice};
 }
 
 }  // namespace planecast

@@ -14,28 +14,29 @@ namespace planecast {
 /// Most pixels along a row of a tile.
 inline constexpr std::uint32_t kMaxTileSide = 2048;
 
-/// A pixel's prediction misses less than this, or as good as this.
+/// Misses count up to this.
 inline constexpr int kMissCap = 100;
+
+/// What is kept of a pixel beside its level. All zero for a hole.
+struct PixelPast {
+  std::uint32_t misses = 0;  ///< |level - surface prediction| << 16 | |level - neighbours'|
+  std::uint8_t size = 0;     ///< magnitude of its correction: 0, 1, 2 for more
+  std::int8_t lean = 0;      ///< sign of its correction: -1, 0, 1
+  std::uint8_t choice = 0;   ///< surfaces kind: 0 off, 1 on the block's first surface, 2 the second
+};
 
 /// One row of a tile; pixel x lies at index x + kBorder, and what lies outside reads as a hole.
 struct PixelRow {
   static constexpr std::uint32_t kBorder = 4;
   static constexpr std::size_t kSize = kMaxTileSide + 2 * kBorder;
 
-  std::uint16_t level[kSize] = {};   ///< 0: no reading
-  std::uint8_t size[kSize] = {};     ///< magnitude of its correction: 0, 1, 2 for more
-  std::int8_t lean[kSize] = {};      ///< sign of its correction: -1, 0, 1
-  std::uint8_t choice[kSize] = {};   ///< surfaces kind: 0 off, 1 on the first surface, 2 the second
-  std::uint32_t misses[kSize] = {};  ///< |level - surface prediction| << 16 | |... neighbours'|
+  std::uint16_t level[kSize] = {};  ///< 0: no reading
+  PixelPast past[kSize] = {};
 
   /// Makes pixels x0 .. x1-1 holes.
   void clear(std::uint32_t x0, std::uint32_t x1) noexcept {
-    const std::size_t at = x0 + kBorder, count = x1 - x0;
-    std::memset(level + at, 0, count * sizeof *level);
-    std::memset(size + at, 0, count);
-    std::memset(lean + at, 0, count);
-    std::memset(choice + at, 0, count);
-    std::memset(misses + at, 0, count * sizeof *misses);
+    std::fill(level + kBorder + x0, level + kBorder + x1, std::uint16_t{0});
+    std::fill(past + kBorder + x0, past + kBorder + x1, PixelPast{});
   }
 };
 
@@ -61,13 +62,13 @@ struct Neighbourhood {
   }
   /// Misses, 2 (l + u) + ul + ur, of both predictions.
   std::uint32_t misses() const noexcept {
-    return 2 * (here.misses[at - 1] + above.misses[at]) + above.misses[at - 1] +
-           above.misses[at + 1];
+    return 2 * (here.past[at - 1].misses + above.past[at].misses) + above.past[at - 1].misses +
+           above.past[at + 1].misses;
   }
   /// Correction sizes of l, u, ul, ur as digits of base three.
   std::uint32_t sizes() const noexcept {
-    return here.size[at - 1] * 27U + above.size[at] * 9U + above.size[at - 1] * 3U +
-           above.size[at + 1];
+    return here.past[at - 1].size * 27U + above.past[at].size * 9U + above.past[at - 1].size * 3U +
+           above.past[at + 1].size;
   }
 };
 

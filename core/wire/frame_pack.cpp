@@ -77,6 +77,7 @@ struct FramePacker::Job {
   std::span<std::uint8_t> out;
   std::span<SlicePlace> places;
   FrameReport& report;
+  bool one_slice = false;  ///< any frame fits: nothing to estimate
   Moments moments = {};
 };
 
@@ -101,7 +102,10 @@ Status FramePacker::pack(const CodingTables& tables, const FrameModel& frame,
                          FrameReport& report) noexcept {
   if (slice_bytes < kMinSliceBytes) return Status::kBadConfig;
   Job job{tables, frame, identity, slice_bytes, out, places, report};
-  estimate_costs(tables, frame);
+  const CameraModel& camera = tables.config->camera;
+  job.one_slice = slice_bytes >= frame_capacity(camera.width, camera.height) &&
+                  std::max(camera.width, camera.height) <= kMaxTileSide;
+  if (!job.one_slice) estimate_costs(tables, frame);
   Status status = pack_whole(job);
   if (status == Status::kOk && !calibrated_ && report.slices > 1) {
     // The first frame was cut by guess; now that its cost is known, cut it again.
@@ -194,7 +198,7 @@ double FramePacker::budget_bits(const Job& job) noexcept {
 Status FramePacker::pack_rect(Job& job, const TileRect& rect) noexcept {
   const bool fits_syntax = rect.bw <= kMaxTileBlocks && rect.bh <= kMaxTileBlocks;
   const std::size_t body = job.slice_bytes - kPacketHeaderBytes;
-  const bool likely = estimate(job, rect) <= budget_bits(job);
+  const bool likely = job.one_slice || estimate(job, rect) <= budget_bits(job);
   const bool single = rect.bw == 1 && rect.bh == 1;
   if (!fits_syntax || (!likely && !single)) return pack_halves(job, rect);
 
@@ -212,6 +216,7 @@ Status FramePacker::pack_rect(Job& job, const TileRect& rect) noexcept {
   job.report.bytes += bytes;
   job.report.points += tile.points;
   job.report.corrections += tile.corrections;
+  if (job.one_slice) return Status::kOk;
   const auto [off, on] = costs(job, rect);
   job.moments.add(off, on, static_cast<double>(tile.bytes) * 8 - kTileHeadBits);
   return Status::kOk;

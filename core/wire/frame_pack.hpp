@@ -79,7 +79,7 @@ class FramePacker {
   TilePacker tiles_;
   std::span<Costs> cost_sums_;  ///< summed-area table of block costs, one more each way
   double scales_[2] = {1, 1};   ///< measured bits over estimated bits, off surfaces and on
-  bool calibrated_ = false;     ///< scale_q8_ comes from a frame
+  bool calibrated_ = false;     ///< scales_ come from a frame
 };
 
 }  // namespace planecast

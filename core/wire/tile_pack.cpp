@@ -174,47 +174,60 @@ void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
     const std::uint8_t ray_class = bounds.ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
     Segment segment{blocks[i], {}, ray_class, x0, x1, v, row, tokens};
     segment.place = PixelPlace(bounds.half_widths(ray_class), job.last_level);
-    if (blocks[i].label.first != 0) {
-      const BlockSurface& surface = surfaces_[i];
-      segment.place.lie_on(surface.at(0, tile_v % 8), surface.dx, surface.dy);
-    }
+    if (blocks[i].label.first != 0) segment.place.lie_on(surfaces_[i], tile_v % 8);
     quantise_segment(job, rows, segment);
   }
 }
 
-void TilePacker::quantise_segment(Job& job, const TileRows& rows, Segment& segment) noexcept {
-  const bool choosing = job.surfaces_kind && segment.place.has_surface;
+// What the loop uses is copied first: a store of a byte may change anything in memory, as far as a
+// compiler knows, and would have all of it read again.
+void TilePacker::quantise_segment(Job& job, const TileRows rows, const Segment& segment) noexcept {
+  PixelPlace place = segment.place;
+  const bool choosing = job.surfaces_kind && place.has_surface;
+  const bool full = segment.block.full != 0;
+  const LevelTable levels = *job.tables.levels;
+  const BoundTable& bounds = *job.tables.bounds;
+  const std::uint8_t ray_class = segment.ray_class;
+  const std::uint16_t* const depths = segment.row;
+  Token* const tokens = segment.tokens;
   std::int32_t fallback = job.fallback;
-  for (std::uint32_t x = segment.x0; x < segment.x1; ++x) {
+  std::uint32_t corrections = 0;
+  bool uniform = true;
+  for (std::uint32_t x = segment.x0; x < segment.x1; ++x, place.step_right()) {
     const Neighbourhood around = rows.around(x);
-    const std::uint16_t depth = segment.row[x];
-    Token& token = segment.tokens[x];
-    if (segment.block.full == 0) token.mask_context = mask_context(around);
+    const std::uint16_t depth = depths[x];
+    Token token;
+    if (!full) token.mask_context = mask_context(around);
     if (depth == 0) {
-      token.kind = PixelKind::kHole;
       rows.here.clear(x, x + 1);
-    } else {
-      if (choosing) token.choice_context = choice_context(around);
-      if (!choosing || !choose_surface(job, segment, x, depth, token, rows.here)) {
-        const PixelPrediction p = predict_pixel(around, segment.place, fallback);
-        const PixelContexts contexts = pixel_contexts(around, p);
-        token.kind = PixelKind::kPredicted;
-        token.correction_context = contexts.correction;
-        token.sign_context = contexts.sign;
-        token.magnitude_context = contexts.magnitude;
-        const std::uint32_t limit = job.tables.bounds->max_error(depth, segment.ray_class);
-        const std::int32_t level = correct(job, p, depth, limit, token);
-        keep_pixel(rows.here, around.at, p, level, token.correction);
-        if (token.correction != 0) {
-          segment.block.corrected = 1;
-          ++job.corrections;
-        }
-      }
-      if (token.kind != PixelKind::kFirstSurface) segment.block.uniform = 0;
-      fallback = rows.here.level[around.at];
+      tokens[x] = token;
+      continue;
     }
-    segment.place.step_right();
+    if (choosing) token.choice_context = choice_context(around);
+    if (!choosing || !choose_surface(job, segment, x, depth, token, rows.here)) {
+      const PixelPrediction p = predict_pixel(around, place, fallback);
+      const int activity = pixel_activity(around, p);
+      token.kind = PixelKind::kPredicted;
+      token.correction_context = correction_context(around, activity);
+      const std::uint32_t limit = bounds.max_error(depth, ray_class);
+      const auto at = static_cast<std::uint32_t>(p.level);
+      if (static_cast<std::uint32_t>(std::abs(int{levels.depth(at)} - int{depth})) <= limit) {
+        keep_predicted(rows.here, around.at, p);
+      } else {
+        const std::int32_t level = correct(job, p, depth, limit, token);
+        token.sign_context = sign_context(around, p);
+        token.magnitude_context = magnitude_context(around, activity);
+        keep_corrected(rows.here, around.at, p, level, token.correction);
+        ++corrections;
+      }
+    }
+    uniform &= token.kind == PixelKind::kFirstSurface;
+    fallback = rows.here.level[around.at];
+    tokens[x] = token;
   }
+  if (corrections != 0) segment.block.corrected = 1;
+  if (!uniform) segment.block.uniform = 0;
+  job.corrections += corrections;
   job.fallback = fallback;
 }
 
@@ -235,6 +248,7 @@ bool TilePacker::choose_surface(const Job& job, const Segment& segment, std::uin
   return false;
 }
 
+// The correction of a reading that its prediction does not hold; returns the level it leads to.
 std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
                                  std::uint32_t limit, Token& token) noexcept {
   const LevelTable& levels = *job.tables.levels;
@@ -242,8 +256,6 @@ std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::
     return static_cast<std::uint32_t>(std::abs(
                int{levels.depth(static_cast<std::uint32_t>(level))} - int{depth})) <= limit;
   };
-  token.correction = 0;
-  if (within(p.level)) return p.level;
   const std::int32_t own = levels.nearest(depth);
   const bool up =
       own > p.level || (own == p.level && depth > levels.depth(static_cast<std::uint32_t>(own)));
@@ -263,32 +275,6 @@ std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::
   const bool near_own = within(own);
   jumps_[jumps_in_++] = {near_own ? std::abs(own - p.level) : 0, depth};
   return own;
-}
-
-void TilePacker::code_block_row(Job& job, RangeEncoder& coder, std::uint32_t row) noexcept {
-  const BlockState* blocks = blocks_.data() + (row & 1U) * job.rect.bw;
-  const BlockState* above = row > 0 ? blocks_.data() + ((row + 1) & 1U) * job.rect.bw : nullptr;
-  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
-    code_block(job, coder, blocks[i],
-               {i > 0 ? &blocks[i - 1] : nullptr, above != nullptr ? &above[i] : nullptr,
-                i > 0 && above != nullptr ? &above[i - 1] : nullptr});
-  }
-  const std::uint32_t begin = job.span.v0 + row * 8;
-  const std::uint32_t rows = std::min(begin + 8, job.span.v1) - begin;
-  const std::uint32_t columns = job.span.u1 - job.span.u0;
-  for (std::uint32_t y = 0; y < rows; ++y) {
-    const Token* tokens = tokens_.data() + std::size_t{y} * job.rect.bw * 8;
-    for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
-      const BlockState& block = blocks[i];
-      // Nothing to say of most pixels.
-      const bool mixed = job.surfaces_kind && block.label.first != 0 && block.uniform == 0;
-      if (block.any == 0 || (block.full != 0 && block.corrected == 0 && !mixed)) continue;
-      for (std::uint32_t x = i * 8; x < std::min(i * 8 + 8, columns); ++x) {
-        code_pixel(job, coder, block, tokens[x]);
-      }
-    }
-  }
-  jumps_in_ = jumps_out_ = 0;
 }
 
 void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
@@ -322,25 +308,8 @@ void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockStat
   }
 }
 
-void TilePacker::code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
-                            const Token& token) noexcept {
-  const bool reading = token.kind != PixelKind::kHole;
-  if (block.full == 0) coder.bit(models_.mask[token.mask_context], reading);
-  if (!reading) return;
-  if (job.surfaces_kind && block.label.first != 0 && block.uniform == 0) {
-    const bool first = token.kind == PixelKind::kFirstSurface;
-    coder.bit(models_.on_surface[0][token.choice_context], first);
-    if (!first && block.label.second != 0) {
-      coder.bit(models_.on_surface[1][token.choice_context],
-                token.kind == PixelKind::kSecondSurface);
-    }
-  }
-  if (token.kind != PixelKind::kPredicted || block.corrected == 0) return;
-  coder.bit(models_.correction[token.correction_context], token.correction != 0);
-  if (token.correction != 0) code_correction(coder, token);
-}
-
-void TilePacker::code_correction(RangeEncoder& coder, const Token& token) noexcept {
+[[gnu::always_inline]] inline void TilePacker::code_correction(RangeEncoder& coder,
+                                                               const Token& token) noexcept {
   coder.bit(models_.sign[token.sign_context], token.correction > 0);
   const int more = std::abs(int{token.correction}) - 1;
   BitModel* unary = models_.magnitude[token.magnitude_context];
@@ -358,6 +327,53 @@ void TilePacker::code_correction(RangeEncoder& coder, const Token& token) noexce
     coder.bit(models_.jump_top[length], ((distance >> (length - 2)) & 1U) != 0);
     if (length > 2) coder.raw(distance & ((1U << (length - 2)) - 1U), length - 2);
   }
+}
+
+[[gnu::always_inline]] inline void TilePacker::code_pixel(const Job& job, RangeEncoder& coder,
+                                                          const BlockState& block,
+                                                          const Token& token) noexcept {
+  const bool reading = token.kind != PixelKind::kHole;
+  if (block.full == 0) coder.bit(models_.mask[token.mask_context], reading);
+  if (!reading) return;
+  if (job.surfaces_kind && block.label.first != 0 && block.uniform == 0) {
+    const bool first = token.kind == PixelKind::kFirstSurface;
+    coder.bit(models_.on_surface[0][token.choice_context], first);
+    if (!first && block.label.second != 0) {
+      coder.bit(models_.on_surface[1][token.choice_context],
+                token.kind == PixelKind::kSecondSurface);
+    }
+  }
+  if (token.kind != PixelKind::kPredicted || block.corrected == 0) return;
+  coder.bit(models_.correction[token.correction_context], token.correction != 0);
+  if (token.correction != 0) code_correction(coder, token);
+}
+
+void TilePacker::code_block_row(Job& job, RangeEncoder& shared, std::uint32_t row) noexcept {
+  RangeEncoder coder = shared;  // a copy stays in registers
+  const BlockState* blocks = blocks_.data() + (row & 1U) * job.rect.bw;
+  const BlockState* above = row > 0 ? blocks_.data() + ((row + 1) & 1U) * job.rect.bw : nullptr;
+  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
+    code_block(job, coder, blocks[i],
+               {i > 0 ? &blocks[i - 1] : nullptr, above != nullptr ? &above[i] : nullptr,
+                i > 0 && above != nullptr ? &above[i - 1] : nullptr});
+  }
+  const std::uint32_t begin = job.span.v0 + row * 8;
+  const std::uint32_t rows = std::min(begin + 8, job.span.v1) - begin;
+  const std::uint32_t columns = job.span.u1 - job.span.u0;
+  for (std::uint32_t y = 0; y < rows; ++y) {
+    const Token* tokens = tokens_.data() + std::size_t{y} * job.rect.bw * 8;
+    for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
+      const BlockState& block = blocks[i];
+      // Nothing to say of most pixels.
+      const bool mixed = job.surfaces_kind && block.label.first != 0 && block.uniform == 0;
+      if (block.any == 0 || (block.full != 0 && block.corrected == 0 && !mixed)) continue;
+      for (std::uint32_t x = i * 8; x < std::min(i * 8 + 8, columns); ++x) {
+        code_pixel(job, coder, block, tokens[x]);
+      }
+    }
+  }
+  jumps_in_ = jumps_out_ = 0;
+  shared = coder;
 }
 
 Status TilePacker::pack_verbatim(const CodingTables& tables, const FrameModel& frame,

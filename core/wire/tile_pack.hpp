@@ -53,12 +53,12 @@ class TilePacker {
   void code_head(Job& job, RangeEncoder& coder) noexcept;
   void open_block_row(Job& job, std::uint32_t row) noexcept;
   void quantise_row(Job& job, std::uint32_t v) noexcept;
-  void quantise_segment(Job& job, const TileRows& rows, Segment& segment) noexcept;
+  void quantise_segment(Job& job, TileRows rows, const Segment& segment) noexcept;
   bool choose_surface(const Job& job, const Segment& segment, std::uint32_t x, std::uint16_t depth,
                       Token& token, PixelRow& row) const noexcept;
   std::int32_t correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
                        std::uint32_t limit, Token& token) noexcept;
-  void code_block_row(Job& job, RangeEncoder& coder, std::uint32_t row) noexcept;
+  void code_block_row(Job& job, RangeEncoder& shared, std::uint32_t row) noexcept;
   void code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const BlockNeighbours& n) noexcept;
   void code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,

@@ -119,8 +119,9 @@ inline void clear_rows(std::span<PixelRow> rows, std::uint32_t bw) noexcept {
 
 /// Context of which surface a pixel is on, in surfaces kind.
 inline std::uint8_t choice_context(const Neighbourhood& n) noexcept {
-  return static_cast<std::uint8_t>((n.here.choice[n.at - 1] * 3 + n.above.choice[n.at]) * 3 +
-                                   n.above.choice[n.at - 1]);
+  return static_cast<std::uint8_t>((n.here.past[n.at - 1].choice * 3 + n.above.past[n.at].choice) *
+                                       3 +
+                                   n.above.past[n.at - 1].choice);
 }
 
 /// Decision after which a tile stores counts as they are.

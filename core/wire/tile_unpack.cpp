@@ -214,64 +214,17 @@ Status TileUnpacker::read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_
     const std::uint8_t ray_class = bounds.ray_class(job.rect().bx + i, job.rect().by + tile_v / 8);
     Segment segment{blocks[i], {}, x0, x1, job.span.v0 + tile_v, depth, labels};
     segment.place = PixelPlace(bounds.half_widths(ray_class), job.last_level);
-    if (blocks[i].label.first != 0) {
-      const BlockSurface& surface = surfaces_[i];
-      segment.place.lie_on(surface.at(0, tile_v % 8), surface.dx, surface.dy);
-    }
+    if (blocks[i].label.first != 0) segment.place.lie_on(surfaces_[i], tile_v % 8);
     if (!read_segment(job, coder, rows, segment)) return Status::kBadSymbol;
   }
   return Status::kOk;
 }
 
-// False for a value that no encoder writes.
-bool TileUnpacker::read_segment(Job& job, RangeDecoder& coder, const TileRows& rows,
-                                Segment& segment) noexcept {
-  const BlockState& block = segment.block;
-  const bool choosing = job.surfaces_kind && segment.place.has_surface;
-  const LevelTable& levels = *job.tables.levels;
-  std::int32_t fallback = job.fallback;
-  for (std::uint32_t x = segment.x0; x < segment.x1; ++x, segment.place.step_right()) {
-    const Neighbourhood around = rows.around(x);
-    std::uint16_t depth = 0;
-    std::uint8_t label = 0, choice = 0;
-    if (block.full == 0 && !coder.bit(models_.mask[mask_context(around)])) {
-      rows.here.clear(x, x + 1);
-    } else if (choosing && read_choice(coder, around, segment, choice)) {
-      label = choice == 1 ? block.label.first : block.label.second;
-      depth = surface_depth(job.surfaces[label], job.tables.rays->x(job.span.u0 + x, segment.v),
-                            job.tables.rays->y(job.span.u0 + x, segment.v));
-      if (depth == 0) return false;
-      fallback = levels.nearest(depth);
-      keep_chosen(rows.here, around.at, fallback, choice);
-      ++job.content.points;
-    } else {
-      const PixelPrediction p = predict_pixel(around, segment.place, fallback);
-      std::int32_t level = p.level, correction = 0;
-      if (block.corrected != 0) {
-        const PixelContexts contexts = pixel_contexts(around, p);
-        if (coder.bit(models_.correction[contexts.correction])) {
-          level = read_correction(job, coder, p, contexts, correction, depth);
-          if (level < 1 || level > job.last_level) return false;
-          ++job.content.corrections;
-        }
-      }
-      if (depth == 0) depth = levels.depth(static_cast<std::uint32_t>(level));
-      keep_pixel(rows.here, around.at, p, level, correction);
-      fallback = level;
-      if (!job.surfaces_kind) label = block.label.first;
-      ++job.content.points;
-    }
-    segment.depth[x] = depth;
-    if (segment.labels != nullptr) segment.labels[x] = label;
-  }
-  job.fallback = fallback;
-  return true;
-}
-
 // True when the pixel is on one of its block's surfaces; says which.
-bool TileUnpacker::read_choice(RangeDecoder& coder, const Neighbourhood& around,
-                               const Segment& segment, std::uint8_t& choice) noexcept {
-  const BlockState& block = segment.block;
+[[gnu::always_inline]] inline bool TileUnpacker::read_choice(RangeDecoder& coder,
+                                                             const Neighbourhood& around,
+                                                             const BlockState& block,
+                                                             std::uint8_t& choice) noexcept {
   choice = 1;
   if (block.uniform == 0) {
     const int context = choice_context(around);
@@ -284,11 +237,10 @@ bool TileUnpacker::read_choice(RangeDecoder& coder, const Neighbourhood& around,
 }
 
 // 0 for a level that is none.
-std::int32_t TileUnpacker::read_correction(Job& job, RangeDecoder& coder, const PixelPrediction& p,
-                                           const PixelContexts& contexts, std::int32_t& correction,
-                                           std::uint16_t& depth) noexcept {
-  const int sign = coder.bit(models_.sign[contexts.sign]) ? 1 : -1;
-  BitModel* unary = models_.magnitude[contexts.magnitude];
+[[gnu::always_inline]] inline std::int32_t TileUnpacker::read_correction(
+    const LevelTable& levels, RangeDecoder& coder, const PixelPrediction& p, BitModel& sign_model,
+    BitModel* unary, std::int32_t& correction, std::uint16_t& depth) noexcept {
+  const int sign = coder.bit(sign_model) ? 1 : -1;
   int more = 0;
   while (more < kMaxUnary && coder.bit(unary[more])) ++more;
   correction = sign * (more + 1);
@@ -296,7 +248,7 @@ std::int32_t TileUnpacker::read_correction(Job& job, RangeDecoder& coder, const 
   const auto length = static_cast<int>(read_tree(coder, models_.jump_length, kJumpBits));
   if (length == 0) {
     depth = static_cast<std::uint16_t>(coder.raw(16));
-    return job.tables.levels->nearest(depth);
+    return levels.nearest(depth);
   }
   if (length > 16) return 0;
   std::int32_t distance = 1;
@@ -306,6 +258,64 @@ std::int32_t TileUnpacker::read_correction(Job& job, RangeDecoder& coder, const 
       distance = (distance << (length - 2)) + static_cast<std::int32_t>(coder.raw(length - 2));
   }
   return p.level + sign * distance;
+}
+
+// False for a value that no encoder writes. What the loop uses is copied first: a store of a byte
+// may change anything in memory, as far as a compiler knows, and would have all of it read again.
+bool TileUnpacker::read_segment(Job& job, RangeDecoder& shared, const TileRows rows,
+                                const Segment& segment) noexcept {
+  RangeDecoder coder = shared;
+  PixelPlace place = segment.place;
+  const BlockState block = segment.block;
+  const bool choosing = job.surfaces_kind && place.has_surface;
+  const std::uint8_t plain_label = job.surfaces_kind ? std::uint8_t{0} : block.label.first;
+  const LevelTable levels = *job.tables.levels;
+  std::uint16_t* const depths = segment.depth;
+  std::uint8_t* const labels = segment.labels;
+  std::int32_t fallback = job.fallback;
+  std::uint32_t points = 0, corrections = 0;
+  for (std::uint32_t x = segment.x0; x < segment.x1; ++x, place.step_right()) {
+    const Neighbourhood around = rows.around(x);
+    std::uint16_t depth = 0;
+    std::uint8_t label = 0, choice = 0;
+    if (block.full == 0 && !coder.bit(models_.mask[mask_context(around)])) {
+      rows.here.clear(x, x + 1);
+    } else if (choosing && read_choice(coder, around, block, choice)) {
+      label = choice == 1 ? block.label.first : block.label.second;
+      depth = surface_depth(job.surfaces[label], job.tables.rays->x(job.span.u0 + x, segment.v),
+                            job.tables.rays->y(job.span.u0 + x, segment.v));
+      if (depth == 0) return false;
+      fallback = levels.nearest(depth);
+      keep_chosen(rows.here, around.at, fallback, choice);
+      ++points;
+    } else {
+      const PixelPrediction p = predict_pixel(around, place, fallback);
+      const int activity = block.corrected != 0 ? pixel_activity(around, p) : 0;
+      if (block.corrected == 0 ||
+          !coder.bit(models_.correction[correction_context(around, activity)])) {
+        fallback = p.level;
+        keep_predicted(rows.here, around.at, p);
+      } else {
+        std::int32_t correction = 0;
+        BitModel& sign = models_.sign[sign_context(around, p)];
+        BitModel* unary = models_.magnitude[magnitude_context(around, activity)];
+        fallback = read_correction(levels, coder, p, sign, unary, correction, depth);
+        if (fallback < 1 || fallback > place.last_level) return false;
+        keep_corrected(rows.here, around.at, p, fallback, correction);
+        ++corrections;
+      }
+      if (depth == 0) depth = levels.depth(static_cast<std::uint32_t>(fallback));
+      label = plain_label;
+      ++points;
+    }
+    depths[x] = depth;
+    if (labels != nullptr) labels[x] = label;
+  }
+  job.fallback = fallback;
+  job.content.points += points;
+  job.content.corrections += corrections;
+  shared = coder;
+  return true;
 }
 
 }  // namespace planecast

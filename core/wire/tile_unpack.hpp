@@ -55,12 +55,12 @@ class TileUnpacker {
                     const BlockNeighbours& n) noexcept;
   Status read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept;
   Status read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_v) noexcept;
-  bool read_segment(Job& job, RangeDecoder& coder, const TileRows& rows, Segment& segment) noexcept;
-  bool read_choice(RangeDecoder& coder, const Neighbourhood& around, const Segment& segment,
+  bool read_segment(Job& job, RangeDecoder& shared, TileRows rows, const Segment& segment) noexcept;
+  bool read_choice(RangeDecoder& coder, const Neighbourhood& around, const BlockState& block,
                    std::uint8_t& choice) noexcept;
-  std::int32_t read_correction(Job& job, RangeDecoder& coder, const PixelPrediction& p,
-                               const PixelContexts& contexts, std::int32_t& correction,
-                               std::uint16_t& depth) noexcept;
+  std::int32_t read_correction(const LevelTable& levels, RangeDecoder& coder,
+                               const PixelPrediction& p, BitModel& sign_model, BitModel* unary,
+                               std::int32_t& correction, std::uint16_t& depth) noexcept;
 
   std::span<PixelRow> rows_;
   std::span<BlockState> blocks_;

@@ -165,7 +165,8 @@ class DepthTile:
         if b.first:
             origin, dx, dy = b.plane
             q = origin + dx * u + dy * v
-            reach = halves[min(max((q + 128) >> 8, 1), last)]
+            q4 = origin + dx * (u // 8 * 8 + 4) + dy * (v // 8 * 8 + 4)
+            reach = halves[min(max((q4 + 128) >> 8, 1), last)]
             total = weight = 0
             for n, w, expected in ((l, 4, q - dx), (up, 4, q - dy), (ul, 1, q - dx - dy),
                                    (ur, 2, q + dx - dy)):

@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
+#include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "core/base/random.hpp"
@@ -30,7 +31,7 @@ struct Around {
     set_ur(level);
   }
   void set_misses(std::uint32_t surface, std::uint32_t neighbour) {
-    rows[0].misses[kAt - 1] = rows[1].misses[kAt] = surface << 16U | neighbour;
+    rows[0].past[kAt - 1].misses = rows[1].past[kAt].misses = surface << 16U | neighbour;
   }
   Neighbourhood view() const { return {rows[0], rows[1], rows[2], kAt}; }
 };
@@ -39,15 +40,15 @@ std::vector<std::uint8_t> half_widths(std::uint8_t value) {
   return std::vector<std::uint8_t>(65536, value);
 }
 
-PixelPrediction predict(const Around& n, std::uint8_t half = 0) {
-  const auto halves = half_widths(half);
+PixelPrediction predict(const Around& n) {
+  static const auto halves = half_widths(0);
   return predict_pixel(n.view(), PixelPlace(halves.data(), 65535), 77);
 }
 
 PixelPrediction predict_on(const Around& n, std::int32_t surface_q8, std::uint8_t half = 0) {
   const auto halves = half_widths(half);
   PixelPlace place(halves.data(), 65535);
-  place.lie_on(surface_q8, 0, 0);
+  place.lie_on({surface_q8, 0, 0}, 0);
   return predict_pixel(n.view(), place, 77);
 }
 
@@ -135,10 +136,9 @@ TEST(PixelPredictor, DriftFollowsTheSlopesAndTheWeightsOfThoseThatCount) {
       weight += static_cast<std::size_t>(side.weight);
     }
     PixelPlace place(halves.data(), 65535);
-    place.lie_on(at - dx, dx, dy);
+    place.lie_on({at - dx, dx, dy}, 0);
     place.step_right();
-    ASSERT_EQ(detail::surface_drift_q8(n.view(), place, 15 * 256),
-              (sum * detail::kDriftScale[weight]) >> 16);
+    ASSERT_EQ(detail::surface_drift_q8(n.view(), place), (sum * detail::kDriftScale[weight]) >> 16);
   }
 }
 
@@ -179,35 +179,59 @@ TEST(PixelPredictor, LevelsAndContextsStayInRangeWhateverTheNeighbourhood) {
     for (PixelRow& row : n.rows) {
       for (std::size_t x = Around::kAt - 2; x <= Around::kAt + 2; ++x) {
         row.level[x] = some_level();
-        row.size[x] = static_cast<std::uint8_t>(random.below(3));
-        row.lean[x] = static_cast<std::int8_t>(static_cast<int>(random.below(3)) - 1);
-        row.misses[x] = random.below(kMissCap + 1) << 16U | random.below(kMissCap + 1);
+        row.past[x] = {random.below(kMissCap + 1) << 16U | random.below(kMissCap + 1),
+                       static_cast<std::uint8_t>(random.below(3)),
+                       static_cast<std::int8_t>(static_cast<int>(random.below(3)) - 1), 0};
       }
     }
     const auto signed_q8 = [&](int bits) {
       return static_cast<std::int32_t>(random.next() >> (32 - bits)) - (1 << (bits - 1));
     };
     PixelPlace place(half.data(), last);
-    if (random.below(2) != 0) place.lie_on(signed_q8(29), signed_q8(25), signed_q8(25));
+    if (random.below(2) != 0) place.lie_on({signed_q8(29), signed_q8(25), signed_q8(25)}, 0);
     const PixelPrediction p =
         predict_pixel(n.view(), place, 1 + static_cast<std::int32_t>(random.below(last)));
-    const PixelContexts contexts = pixel_contexts(n.view(), p);
     for (const std::int32_t l : {p.level, p.surface, p.neighbour}) {
       ASSERT_GE(l, 1);
       ASSERT_LE(l, last);
     }
     ASSERT_EQ(p.half_width, half[p.level]);
-    ASSERT_LT(contexts.correction, kCorrectionContexts);
-    ASSERT_LT(contexts.sign, kSignContexts);
-    ASSERT_LT(contexts.magnitude, kMagnitudeContexts);
-    const std::int32_t became = 1 + static_cast<std::int32_t>(random.below(last));
+    const int activity = pixel_activity(n.view(), p);
+    ASSERT_LT(correction_context(n.view(), activity), kCorrectionContexts);
+    ASSERT_LT(sign_context(n.view(), p), kSignContexts);
+    ASSERT_LT(magnitude_context(n.view(), activity), kMagnitudeContexts);
     PixelRow& row = n.rows[0];
-    keep_pixel(row, Around::kAt, p, became, static_cast<std::int32_t>(random.below(27)) - 13);
+    const PixelPast& past = row.past[Around::kAt];
+    keep_predicted(row, Around::kAt, p);
+    ASSERT_EQ(row.level[Around::kAt], p.level);
+    ASSERT_EQ(p.by_surface ? past.misses >> 16U : past.misses & 0xffffU, 0U);
+    const PixelPast predicted = past;
+    keep_corrected(row, Around::kAt, p, p.level, 1);
+    ASSERT_EQ(past.misses, predicted.misses) << "both ways agree on what was missed";
+    const std::int32_t became = 1 + static_cast<std::int32_t>(random.below(last));
+    const std::int32_t size = 1 + static_cast<std::int32_t>(random.below(13));
+    keep_corrected(row, Around::kAt, p, became, random.below(2) != 0 ? size : -size);
     ASSERT_EQ(row.level[Around::kAt], became);
-    ASSERT_LE(row.size[Around::kAt], 2);
-    ASSERT_LE(std::abs(row.lean[Around::kAt]), 1);
-    ASSERT_LE(row.misses[Around::kAt] >> 16U, kMissCap);
-    ASSERT_LE(row.misses[Around::kAt] & 0xffffU, kMissCap);
+    ASSERT_EQ(past.size, std::min(size, 2));
+    ASSERT_EQ(std::abs(past.lean), 1);
+    ASSERT_LE(past.misses >> 16U, kMissCap);
+    ASSERT_LE(past.misses & 0xffffU, kMissCap);
+  }
+}
+
+TEST(PixelPredictor, TheMedianIsThatOfSorting) {
+  Pcg32 random(23);
+  for (int i = 0; i < 100'000; ++i) {
+    Around n;
+    const std::uint32_t most = random.below(2) != 0 ? 65535 : 8;
+    std::int32_t levels[3];
+    for (std::int32_t& level : levels) level = 1 + static_cast<std::int32_t>(random.below(most));
+    n.set_l(static_cast<std::uint16_t>(levels[0]));
+    n.set_u(static_cast<std::uint16_t>(levels[1]));
+    n.set_ul(static_cast<std::uint16_t>(levels[2]));
+    std::int32_t sorted[3] = {levels[0], levels[1], levels[0] + levels[1] - levels[2]};
+    std::sort(std::begin(sorted), std::end(sorted));
+    ASSERT_EQ(predict(n).level, sorted[1]);
   }
 }
 
