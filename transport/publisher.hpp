@@ -23,7 +23,7 @@ struct PublisherConfig {
   std::uint32_t max_frame_bytes = 2U << 20U;           ///< envelopes included
   std::uint32_t message_bytes = kDefaultMessageBytes;  ///< largest LCM payload, envelope included
   std::uint32_t burst_packets = 8;                     ///< sent back to back before pausing
-  std::uint32_t pace_above_packets = 24;               ///< smaller frames go out without a pause
+  std::uint32_t pace_above_packets = 48;               ///< smaller frames go out without a pause
   std::uint32_t pace_ns = 60'000;  ///< mean time a packet of a paced frame; 0: never pause
   void (*on_thread_start)(const char* name) = nullptr;  ///< called first on the sending thread
 };
