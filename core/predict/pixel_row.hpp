@@ -33,6 +33,11 @@ struct PixelRow {
   std::uint16_t level[kSize] = {};  ///< 0: no reading
   PixelPast past[kSize] = {};
 
+  /// Makes the pixel at an index a hole.
+  void set_hole(std::size_t at) noexcept {
+    level[at] = 0;
+    past[at] = {};
+  }
   /// Makes pixels x0 .. x1-1 holes.
   void clear(std::uint32_t x0, std::uint32_t x1) noexcept {
     std::fill(level + kBorder + x0, level + kBorder + x1, std::uint16_t{0});

@@ -199,7 +199,7 @@ void TilePacker::quantise_segment(Job& job, const TileRows rows, const Segment& 
     Token token;
     if (!full) token.mask_context = mask_context(around);
     if (depth == 0) {
-      rows.here.clear(x, x + 1);
+      rows.here.set_hole(around.at);
       tokens[x] = token;
       continue;
     }

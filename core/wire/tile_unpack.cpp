@@ -279,7 +279,7 @@ bool TileUnpacker::read_segment(Job& job, RangeDecoder& shared, const TileRows r
     std::uint16_t depth = 0;
     std::uint8_t label = 0, choice = 0;
     if (block.full == 0 && !coder.bit(models_.mask[mask_context(around)])) {
-      rows.here.clear(x, x + 1);
+      rows.here.set_hole(around.at);
     } else if (choosing && read_choice(coder, around, block, choice)) {
       label = choice == 1 ? block.label.first : block.label.second;
       depth = surface_depth(job.surfaces[label], job.tables.rays->x(job.span.u0 + x, segment.v),
@@ -291,11 +291,8 @@ bool TileUnpacker::read_segment(Job& job, RangeDecoder& shared, const TileRows r
     } else {
       const PixelPrediction p = predict_pixel(around, place, fallback);
       const int activity = block.corrected != 0 ? pixel_activity(around, p) : 0;
-      if (block.corrected == 0 ||
-          !coder.bit(models_.correction[correction_context(around, activity)])) {
-        fallback = p.level;
-        keep_predicted(rows.here, around.at, p);
-      } else {
+      if (block.corrected != 0 &&
+          coder.bit(models_.correction[correction_context(around, activity)])) [[unlikely]] {
         std::int32_t correction = 0;
         BitModel& sign = models_.sign[sign_context(around, p)];
         BitModel* unary = models_.magnitude[magnitude_context(around, activity)];
@@ -303,8 +300,12 @@ bool TileUnpacker::read_segment(Job& job, RangeDecoder& shared, const TileRows r
         if (fallback < 1 || fallback > place.last_level) return false;
         keep_corrected(rows.here, around.at, p, fallback, correction);
         ++corrections;
+      } else {
+        fallback = p.level;
+        keep_predicted(rows.here, around.at, p);
       }
-      if (depth == 0) depth = levels.depth(static_cast<std::uint32_t>(fallback));
+      if (depth == 0) [[likely]]
+        depth = levels.depth(static_cast<std::uint32_t>(fallback));
       label = plain_label;
       ++points;
     }
