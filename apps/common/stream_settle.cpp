@@ -48,7 +48,6 @@ void settle_tolerance(const CodecOptions& options, StreamSetup& setup) {
   }
   config.drop_off_surface =
       options.off_surface == OffSurface::kDrop && config.tolerance == ToleranceKind::kSurfaces;
-  config.effort_best = options.effort == Effort::kBest;
   setup.bound_m = config.tolerance == ToleranceKind::kMetres ? value : 0;
   setup.contract = {config.tolerance, value, {}};
 }
