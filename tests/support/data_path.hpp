@@ -13,14 +13,22 @@ namespace planecast::test {
 inline std::filesystem::path data_path(const std::string& relative) {
   const char* env = std::getenv("PLANECAST_DATA");
   const std::filesystem::path root =
-      env != nullptr ? std::filesystem::path(env)
-                     : std::filesystem::path(PLANECAST_SOURCE_DIR).parent_path() / "shared" / "data";
+      env != nullptr
+          ? std::filesystem::path(env)
+          : std::filesystem::path(PLANECAST_SOURCE_DIR).parent_path() / "shared" / "data";
   const std::filesystem::path full = root / relative;
   return std::filesystem::exists(full) ? full : std::filesystem::path();
 }
 
 }  // namespace planecast::test
 
-#define PLANECAST_NEED_DATA(variable, relative)                        \
+#define PLANECAST_NEED_DATA(variable, relative)                                  \
   const std::filesystem::path variable = ::planecast::test::data_path(relative); \
   if (variable.empty()) GTEST_SKIP() << "development data absent: " << (relative)
+
+/// For tests that take minutes under a sanitizer and see nothing there that smaller ones do not.
+#ifdef PLANECAST_SANITIZED
+#define PLANECAST_NEED_SPEED() GTEST_SKIP() << "runs in builds without sanitizers"
+#else
+#define PLANECAST_NEED_SPEED() static_cast<void>(0)
+#endif

@@ -17,6 +17,7 @@ class RealFrames : public CommandTest {
 };
 
 TEST_F(RealFrames, RealSenseStaysWithinItsSizesAtEachTolerance) {
+  PLANECAST_NEED_SPEED();
   PLANECAST_NEED_DATA(file, "depth_seq/aims_realsense/0.png");
   const std::string options =
       "--camera 383.8,383.8,321.7,236.8,0.001 --range 0.2,10 --noise stereo:0.003 --tolerance ";
@@ -32,6 +33,7 @@ TEST_F(RealFrames, RealSenseStaysWithinItsSizesAtEachTolerance) {
 }
 
 TEST_F(RealFrames, DepthComesBackExactWithoutARange) {
+  PLANECAST_NEED_SPEED();
   PLANECAST_NEED_DATA(realsense, "depth_seq/aims_realsense/60.png");
   PLANECAST_NEED_DATA(stairs, "depth_frames/stair_kinect2/0000_depth.png");
   PLANECAST_NEED_DATA(azure, "depth_frames/azure_kinect_zdepth/room0_320x288_u16le.raw");
@@ -40,6 +42,7 @@ TEST_F(RealFrames, DepthComesBackExactWithoutARange) {
 }
 
 TEST_F(RealFrames, CloudsFindTheirCameraAndKeepTheirBound) {
+  PLANECAST_NEED_SPEED();
   PLANECAST_NEED_DATA(kinect, "depth_frames/pcl_misc/office1.pcd");
   PLANECAST_NEED_DATA(stereo, "depth_frames/pcl_misc/table_scene_mug_stereo_textured.pcd");
   EXPECT_LE(frame_of(kinect, "--tolerance 0")["bits_per_point"], 1.5);

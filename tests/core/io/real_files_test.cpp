@@ -29,6 +29,7 @@ std::size_t valid_count(const PointCloud& cloud) {
 }
 
 TEST(RealFiles, EveryPcdReadsWholeAndRoundTrips) {
+  PLANECAST_NEED_SPEED();
   PLANECAST_NEED_DATA(root, ".");
   const test::TempFolder folder;
   const auto files = files_with(root, ".pcd");

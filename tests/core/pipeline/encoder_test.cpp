@@ -7,6 +7,7 @@
 
 #include "core/ring/slot_pool.hpp"
 #include "tests/core/pipeline/codec_bench.hpp"
+#include "tests/support/data_path.hpp"
 
 namespace planecast {
 namespace {
@@ -295,6 +296,7 @@ TEST(Encoder, StampsAtBothEndsOfTimeWrapInsteadOfOverflowing) {
 // White noise in the narrowest image whose blocks outnumber the slices of a frame: the only way
 // for a frame to fail here.
 TEST(Encoder, AFrameOfTooManySlicesFailsIsCountedAndTheNextGoesOn) {
+  PLANECAST_NEED_SPEED();
   EncoderConfig config;
   Intrinsics in;
   in.fx = in.fy = 8000;

@@ -202,6 +202,7 @@ std::vector<fs::path> organised_clouds(const fs::path& root) {
 }
 
 TEST(RealClouds, EveryOrganisedCloudKeepsTheLosslessContract) {
+  PLANECAST_NEED_SPEED();
   PLANECAST_NEED_DATA(folder, "depth_frames");
   const auto clouds = organised_clouds(folder);
   ASSERT_GE(clouds.size(), 10U);
@@ -211,6 +212,7 @@ TEST(RealClouds, EveryOrganisedCloudKeepsTheLosslessContract) {
 }
 
 TEST(RealClouds, SomeOrganisedCloudsKeepBoundedContracts) {
+  PLANECAST_NEED_SPEED();
   PLANECAST_NEED_DATA(folder, "depth_frames");
   const auto clouds = organised_clouds(folder);
   for (std::size_t i = 0; i < clouds.size(); i += kSanitized ? 7 : 3) {
