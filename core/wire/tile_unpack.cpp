@@ -237,7 +237,7 @@ Status TileUnpacker::read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_
 }
 
 // 0 for a level that is none.
-[[gnu::always_inline]] inline std::int32_t TileUnpacker::read_correction(
+[[gnu::noinline]] std::int32_t TileUnpacker::read_correction(
     const LevelTable& levels, RangeDecoder& coder, const PixelPrediction& p, BitModel& sign_model,
     BitModel* unary, std::int32_t& correction, std::uint16_t& depth) noexcept {
   const int sign = coder.bit(sign_model) ? 1 : -1;
@@ -294,9 +294,13 @@ bool TileUnpacker::read_segment(Job& job, RangeDecoder& shared, const TileRows r
       if (block.corrected != 0 &&
           coder.bit(models_.correction[correction_context(around, activity)])) [[unlikely]] {
         std::int32_t correction = 0;
+        std::uint16_t raw = 0;
         BitModel& sign = models_.sign[sign_context(around, p)];
         BitModel* unary = models_.magnitude[magnitude_context(around, activity)];
-        fallback = read_correction(levels, coder, p, sign, unary, correction, depth);
+        RangeDecoder away = coder;  // only this copy leaves the registers
+        fallback = read_correction(levels, away, p, sign, unary, correction, raw);
+        coder = away;
+        depth = raw;
         if (fallback < 1 || fallback > place.last_level) return false;
         keep_corrected(rows.here, around.at, p, fallback, correction);
         ++corrections;
