@@ -12,7 +12,8 @@ template <class T>
 inline T load_le(const std::uint8_t* bytes) noexcept {
   static_assert(std::is_unsigned_v<T>);
   T value = 0;
-  for (std::size_t i = 0; i < sizeof(T); ++i) value = static_cast<T>(value | (static_cast<T>(bytes[i]) << (8U * i)));
+  for (std::size_t i = 0; i < sizeof(T); ++i)
+    value = static_cast<T>(value | (static_cast<T>(bytes[i]) << (8U * i)));
   return value;
 }
 
@@ -20,7 +21,8 @@ inline T load_le(const std::uint8_t* bytes) noexcept {
 template <class T>
 inline void store_le(std::uint8_t* bytes, T value) noexcept {
   static_assert(std::is_unsigned_v<T>);
-  for (std::size_t i = 0; i < sizeof(T); ++i) bytes[i] = static_cast<std::uint8_t>(value >> (8U * i));
+  for (std::size_t i = 0; i < sizeof(T); ++i)
+    bytes[i] = static_cast<std::uint8_t>(value >> (8U * i));
 }
 
 /// Reads an unsigned integer, most significant byte first (LCM's order).

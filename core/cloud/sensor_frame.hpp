@@ -29,9 +29,10 @@ struct Pose {
 struct PointCloud {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::vector<Point3f> points;                   ///< [m]; relative to origin_* when those are not zero
-  double origin_x = 0, origin_y = 0, origin_z = 0;  ///< subtracted in double before the cut to float (UTM)
-  std::vector<std::string> dropped_fields;       ///< fields the file has and this codec does not carry
+  std::vector<Point3f> points;  ///< [m]; relative to origin_* when those are not zero
+  double origin_x = 0, origin_y = 0,
+         origin_z = 0;                      ///< subtracted in double before the cut to float (UTM)
+  std::vector<std::string> dropped_fields;  ///< fields the file has and this codec does not carry
   Pose viewpoint;  ///< sensor in the world (PCD VIEWPOINT); identity when the file states none
   bool organised() const noexcept { return height > 1; }
 };
@@ -47,11 +48,11 @@ struct DepthImage {
 struct SensorFrame {
   DepthImage depth;
   PointCloud cloud;
-  std::string name;             ///< file name or "sim:room#12", for messages
-  std::uint64_t number = 0;     ///< counts from 0 in the source's order
-  std::int64_t stamp_ns = 0;    ///< time of capture; clock named by the source
+  std::string name;           ///< file name or "sim:room#12", for messages
+  std::uint64_t number = 0;   ///< counts from 0 in the source's order
+  std::int64_t stamp_ns = 0;  ///< time of capture; clock named by the source
   Pose pose;
-  std::string frame_id;         ///< coordinate frame, e.g. "camera_optical"
+  std::string frame_id;  ///< coordinate frame, e.g. "camera_optical"
 };
 
 }  // namespace planecast

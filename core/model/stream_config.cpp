@@ -16,10 +16,10 @@ bool ascii_name(const std::array<char, kMaxFrameIdBytes + 1>& name) noexcept {
 }  // namespace
 
 Status check_config(const StreamConfig& config) noexcept {
-  const bool kinds =
-      config.kind <= FrameKind::kRawCloud && config.z_rule <= ZRule::kPrinted7 &&
-      config.tolerance <= ToleranceKind::kSurfaces && config.clock <= ClockDomain::kSensor &&
-      config.noise.kind <= NoiseModel::Kind::kTof;
+  const bool kinds = config.kind <= FrameKind::kRawCloud && config.z_rule <= ZRule::kPrinted7 &&
+                     config.tolerance <= ToleranceKind::kSurfaces &&
+                     config.clock <= ClockDomain::kSensor &&
+                     config.noise.kind <= NoiseModel::Kind::kTof;
   if (!kinds || config.period_ms == 0) return Status::kFieldRange;
   if (config.lattice.offset_q16 > 0xffff) return Status::kFieldRange;
   if (config.lattice.present() && config.lattice.c_q8 < kMinLatticeCQ8) return Status::kFieldRange;

@@ -24,7 +24,8 @@ struct Surface {
   friend bool operator==(const Surface&, const Surface&) = default;
 };
 
-/// Largest coefficient magnitude on the wire, 30 bits: keeps inverse_depth() inside int64 with room.
+/// Largest coefficient magnitude on the wire, 30 bits: keeps inverse_depth() inside int64 with
+/// room.
 inline constexpr std::int32_t kMaxSurfaceCoefficient = (1 << 30) - 1;
 
 }  // namespace planecast

@@ -93,7 +93,8 @@ void RawFramePacker::count_readings(const Job& job) noexcept {
   for (std::uint32_t v = 0; v < job.camera.height; ++v) {
     std::uint32_t* row = &sums_[std::size_t{v / 8 + 1} * (wide + 1) + 1];
     const Point3f* points = &job.points[std::size_t{v} * job.camera.width];
-    for (std::uint32_t u = 0; u < job.camera.width; ++u) row[u / 8] += is_reading(points[u]) ? 1 : 0;
+    for (std::uint32_t u = 0; u < job.camera.width; ++u)
+      row[u / 8] += is_reading(points[u]) ? 1 : 0;
   }
   for (std::uint32_t by = 1; by <= high; ++by) {
     std::uint32_t* row = &sums_[std::size_t{by} * (wide + 1)];
@@ -128,8 +129,8 @@ Status RawFramePacker::pack_rect(Job& job, const TileRect& rect) noexcept {
   const std::size_t offset = job.report.bytes + kPacketHeaderBytes;
   if (job.out.size() < offset) return Status::kTooLarge;
   std::size_t bytes = 0;
-  const Status status = pack_tile(
-      job, rect, job.out.subspan(offset, std::min(body, job.out.size() - offset)), bytes);
+  const Status status =
+      pack_tile(job, rect, job.out.subspan(offset, std::min(body, job.out.size() - offset)), bytes);
   if (status == Status::kTooLarge && !single) return pack_halves(job, rect);
   if (status != Status::kOk) return status;
   const std::uint32_t count = readings(job, rect);

@@ -10,8 +10,8 @@
 #include "core/base/status.hpp"
 #include "core/cloud/sensor_frame.hpp"
 #include "core/wire/frame_pack.hpp"
-#include "core/wire/raw_rays.hpp"
 #include "core/wire/range_encoder.hpp"
+#include "core/wire/raw_rays.hpp"
 #include "core/wire/raw_syntax.hpp"
 
 namespace planecast {

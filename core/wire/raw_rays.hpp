@@ -25,9 +25,9 @@ class RawRaysFitter {
 
  private:
   struct Sample {
-    double x = 0, y = 0;      ///< pixel from the middle of the image
-    double main = 0;          ///< the primary coordinate
-    double ratio[2] = {};     ///< the others over it
+    double x = 0, y = 0;   ///< pixel from the middle of the image
+    double main = 0;       ///< the primary coordinate
+    double ratio[2] = {};  ///< the others over it
   };
 
   std::size_t take_samples(std::span<const Point3f> points, std::uint32_t width,

@@ -81,7 +81,8 @@ class RawTile {
       for (std::uint32_t x = 0; x < columns; ++x) {
         const std::uint32_t u = span.u0 + x;
         auto& point = points[std::size_t{v} * camera_.width + u];
-        const bool reading = io_.bit(models_.mask[mask_number(x)], !Io::kReads && is_reading(point));
+        const bool reading =
+            io_.bit(models_.mask[mask_number(x)], !Io::kReads && is_reading(point));
         current_[x] = RawState{};
         if (!reading) {
           if constexpr (Io::kReads) point = hole_point();
@@ -194,8 +195,7 @@ class RawTile {
               io_.raw((magnitude >> 16U) & ((1U << (rest - 16)) - 1U), rest - 16);
       rest = 16;
     }
-    return rest == 0 ? found
-                     : (found << rest) | io_.raw(magnitude & ((1U << rest) - 1U), rest);
+    return rest == 0 ? found : (found << rest) | io_.raw(magnitude & ((1U << rest) - 1U), rest);
   }
 
   static int size_context(int sum) noexcept {
@@ -212,16 +212,19 @@ class RawTile {
     const int axis = rays_.primary;
     if (rays_.steps != DepthSteps::kNone) {
       if constexpr (!Io::kReads) s.step = nearest_step(s.at[axis], scale);
-      const std::int64_t predicted = median(x, [](const RawState& n) { return std::int64_t{n.step}; });
+      const std::int64_t predicted =
+          median(x, [](const RawState& n) { return std::int64_t{n.step}; });
       const std::int64_t step = residual(kStepKind, x, predicted, s.step, s.size[kStepKind]);
       if (step > kMaxStepNumber || step < -kMaxStepNumber) return Status::kBadSymbol;
       s.step = static_cast<std::int32_t>(step);
     }
-    const std::int64_t first =
-        rays_.steps != DepthSteps::kNone
-            ? ordered_prediction(rays_.value(s.step, scale))
-            : median(x, [axis](const RawState& n) { return std::int64_t{ordered_bits(n.at[axis])}; });
-    if (const Status status = code_value(0, x, first, s, axis); status != Status::kOk) return status;
+    const std::int64_t first = rays_.steps != DepthSteps::kNone
+                                   ? ordered_prediction(rays_.value(s.step, scale))
+                                   : median(x, [axis](const RawState& n) {
+                                       return std::int64_t{ordered_bits(n.at[axis])};
+                                     });
+    if (const Status status = code_value(0, x, first, s, axis); status != Status::kOk)
+      return status;
     for (int i = 0; i < 2; ++i) {
       if (const Status status = code_other(i, x, px, py, scale, s); status != Status::kOk)
         return status;
@@ -232,8 +235,7 @@ class RawTile {
 
   Status code_value(int kind, std::uint32_t x, std::int64_t predicted, RawState& s,
                     int axis) noexcept {
-    const std::int64_t bits =
-        residual(kind, x, predicted, ordered_bits(s.at[axis]), s.size[kind]);
+    const std::int64_t bits = residual(kind, x, predicted, ordered_bits(s.at[axis]), s.size[kind]);
     if (bits < 0 || bits > 0xffffffffLL) return Status::kBadSymbol;
     s.at[axis] = from_ordered_bits(static_cast<std::uint32_t>(bits));
     const bool finite = (std::bit_cast<std::uint32_t>(s.at[axis]) & 0x7f800000U) != 0x7f800000U;
@@ -273,7 +275,8 @@ class RawTile {
     const std::int64_t bits = ordered_bits(s.at[axis]);
     for (int c = 0; c < kCandidates; ++c) {
       const std::int64_t miss = std::abs(bits - candidates[c]);
-      const auto length = static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(miss)));
+      const auto length =
+          static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(miss)));
       costs_[i][c] += 32 * length - costs_[i][c] / 16;
     }
     return Status::kOk;

@@ -29,8 +29,8 @@ void clear_points(std::span<Point3f> points) noexcept {
 }
 
 void RawFrameUnpacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
-  states_ =
-      arena.take<RawState>(raw_states(std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks)));
+  states_ = arena.take<RawState>(
+      raw_states(std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks)));
 }
 
 Status RawFrameUnpacker::unpack_slice(const StreamConfig& config, std::uint32_t key_hash,
@@ -50,8 +50,7 @@ Status RawFrameUnpacker::unpack_slice(const StreamConfig& config, std::uint32_t 
   models_ = RawModels{};
   RawTile<DecodeIo> tile(io, camera, models_, states_);
   TileRect rect{0, 0, 1, 1};
-  if (const Status status = tile.head(content.verbatim, rect); status != Status::kOk)
-    return status;
+  if (const Status status = tile.head(content.verbatim, rect); status != Status::kOk) return status;
   if (states_.size() < raw_states(rect.bw)) return Status::kTooLarge;
   content.rect = rect;
   const TileSpan span = tile_span(camera, rect);

@@ -7,8 +7,8 @@
 namespace planecast {
 namespace {
 
-const std::vector<std::string> kNames = {"tolerance",  "off-surface", "outliers", "range", "rate",
-                                         "regenerate", "slice-bytes"};
+const std::vector<std::string> kNames = {"tolerance", "off-surface", "outliers",   "range",
+                                         "rate",      "regenerate",  "slice-bytes"};
 
 TEST(Suggestion, FindsTheNameMeant) {
   EXPECT_EQ(suggestion("tolerence", kNames), "tolerance");
