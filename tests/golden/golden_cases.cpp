@@ -4,10 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/bytes.hpp"
 #include "core/base/random.hpp"
-#include "core/io/depth_png.hpp"
 #include "core/sim/sim_room.hpp"
 #include "core/wire/frame_pack.hpp"
+#include "tests/golden/golden_files.hpp"
 
 namespace planecast::test {
 namespace {
@@ -19,10 +20,10 @@ struct Input {
   std::uint32_t width, height;
   std::uint64_t frame;
 };
-constexpr Input kInputs[] = {{"room_160x120_a.png", 160, 120, 0},
-                             {"room_160x120_b.png", 160, 120, 12},
-                             {"room_64x48.png", 64, 48, 40},
-                             {"room_17x9.png", 17, 9, 70}};
+constexpr Input kInputs[] = {{"room_160x120_a.u16", 160, 120, 0},
+                             {"room_160x120_b.u16", 160, 120, 12},
+                             {"room_64x48.u16", 64, 48, 40},
+                             {"room_17x9.u16", 17, 9, 70}};
 
 SimConfig room_sensor(std::uint32_t width, std::uint32_t height) {
   SimConfig sim = default_sim_config();
@@ -185,9 +186,9 @@ void add_clouds(const Images& in, std::vector<GoldenCase>& out) {
 Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder) {
   Images images;
   for (const Input& input : kInputs) {
-    auto image = read_depth_png(folder / "inputs" / input.file);
-    if (!image.ok()) return image.error();
-    images.push_back(std::move(image->depth));
+    auto counts = read_counts(folder / "inputs" / input.file, input.width * input.height);
+    if (!counts.ok()) return counts.error();
+    images.push_back(std::move(*counts));
   }
   std::vector<GoldenCase> out;
   add_contracts(images, out);
@@ -205,7 +206,10 @@ Result<Done> render_inputs(const std::filesystem::path& folder) {
     std::vector<std::uint16_t> ids;
     Pose pose;
     simulator->render(input.frame, image, ids, pose);
-    auto done = write_depth_png(folder / "inputs" / input.file, image);
+    Bytes bytes(2 * image.depth.size());
+    for (std::size_t i = 0; i < image.depth.size(); ++i)
+      store_le<std::uint16_t>(&bytes[2 * i], image.depth[i]);
+    auto done = write_golden_file(folder / "inputs" / input.file, bytes);
     if (!done.ok()) return done;
   }
   return Done{};

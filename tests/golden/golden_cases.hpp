@@ -24,10 +24,10 @@ struct GoldenCase {
   bool dump = false;     ///< small enough to list point by point in name.txt
 };
 
-/// All cases. `folder` holds inputs/*.png; an error names the one that cannot be read.
+/// All cases. `folder` holds inputs/*.u16; an error names the one that cannot be read.
 Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder);
 
-/// Renders inputs/*.png with the simulator. Only for a new set of inputs: they never change.
+/// Renders inputs/*.u16 with the simulator. Only for a new set of inputs: they never change.
 Result<Done> render_inputs(const std::filesystem::path& folder);
 
 }  // namespace planecast::test

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <map>
 
-#include "core/io/file_bytes.hpp"
 #include "tests/golden/bad_packets.hpp"
 #include "tests/golden/golden_vectors.hpp"
 
@@ -18,13 +17,14 @@ const fs::path kFolder = fs::path(PLANECAST_SOURCE_DIR) / "tests" / "golden";
 constexpr const char* kMend = "  (after a change of the format: target rewrite_golden)";
 
 Bytes file(const std::string& name) {
-  const auto bytes = read_file_bytes(kFolder / name);
+  const auto bytes = read_golden_file(kFolder / name);
   EXPECT_TRUE(bytes.ok()) << name;
   return bytes.ok() ? *bytes : Bytes{};
 }
 
 std::string text(const std::string& name) {
-  return std::string(as_text(file(name)));
+  const Bytes bytes = file(name);
+  return {bytes.begin(), bytes.end()};
 }
 
 const std::vector<GoldenCase>& cases() {

@@ -9,10 +9,9 @@
 
 #include "core/base/status.hpp"
 #include "tests/golden/golden_cases.hpp"
+#include "tests/golden/golden_files.hpp"
 
 namespace planecast::test {
-
-using Bytes = std::vector<std::uint8_t>;
 
 /// One decoded frame.
 struct GoldenFrame {

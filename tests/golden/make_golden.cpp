@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string>
 
-#include "core/io/file_bytes.hpp"
 #include "core/wire/tile_models.hpp"
 #include "tests/golden/bad_packets.hpp"
 #include "tests/golden/golden_vectors.hpp"
@@ -23,18 +22,18 @@ Result<Done> write_vectors(const fs::path& folder, const std::vector<GoldenCase>
     const auto frames = decode_golden(*file);
     if (!frames.ok()) return frames.error();
     expected += expected_lines(c.name, *frames);
-    if (auto done = write_file_bytes(folder / (c.name + ".plc"), *file); !done.ok()) return done;
+    if (auto done = write_golden_file(folder / (c.name + ".plc"), *file); !done.ok()) return done;
     if (!c.dump) continue;
     const std::string dump = dump_lines(frames->front(), c.config.camera.width);
-    if (auto done = write_file_text(folder / (c.name + ".txt"), dump); !done.ok()) return done;
+    if (auto done = write_golden_file(folder / (c.name + ".txt"), dump); !done.ok()) return done;
   }
-  return write_file_text(folder / "expected.txt", expected);
+  return write_golden_file(folder / "expected.txt", expected);
 }
 
 Result<Done> write_bad(const fs::path& folder) {
-  const auto depth = read_file_bytes(folder / "metres_160x120.plc");
-  const auto raw = read_file_bytes(folder / "raw_64x48.plc");
-  const auto small = read_file_bytes(folder / "lossless_1x1.plc");
+  const auto depth = read_golden_file(folder / "metres_160x120.plc");
+  const auto raw = read_golden_file(folder / "raw_64x48.plc");
+  const auto small = read_golden_file(folder / "lossless_1x1.plc");
   if (!depth.ok() || !raw.ok() || !small.ok())
     return Error{Status::kNotFound, "the vectors were not written"};
   const auto bad = bad_packets(BadBench(*depth, *raw), *small);
@@ -42,7 +41,7 @@ Result<Done> write_bad(const fs::path& folder) {
   fs::remove_all(folder / "bad");
   fs::create_directory(folder / "bad");
   for (const BadPacket& packet : *bad) {
-    auto done = write_file_bytes(folder / "bad" / packet.file_name(), packet.bytes);
+    auto done = write_golden_file(folder / "bad" / packet.file_name(), packet.bytes);
     if (!done.ok()) return done;
   }
   return Done{};
