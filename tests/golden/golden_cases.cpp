@@ -9,6 +9,7 @@
 #include "core/sim/sim_room.hpp"
 #include "core/wire/frame_pack.hpp"
 #include "tests/golden/golden_files.hpp"
+#include "tests/golden/integer_scene.hpp"
 
 namespace planecast::test {
 namespace {
@@ -120,6 +121,28 @@ void add_contracts(const Images& in, std::vector<GoldenCase>& out) {
   out.push_back(c);
 }
 
+// Every contract at a size whose points can be read one by one, and VGA.
+void add_scenes(std::vector<GoldenCase>& out) {
+  const auto add = [&](const char* name, std::uint32_t width, std::uint32_t height) {
+    GoldenCase c{name, room_config(width, height), kWireSlice, {}, {}};
+    c.config.lattice = {300'000U << 8U, 0, false};
+    c.dump = width < 100;
+    const auto scene = c.dump ? integer_wall : integer_room;
+    c.depth.push_back(scene(width, height, c.config.lattice, width));
+    return &out.emplace_back(std::move(c));
+  };
+  add("lossless_24x16", 24, 16);
+  set_bound(add("sigma_24x16", 24, 16)->config, ToleranceKind::kSigma, 2U << 16U);
+  set_bound(add("surfaces_keep_40x24", 40, 24)->config, ToleranceKind::kSurfaces, 1U << 16U);
+  GoldenCase* drop = add("surfaces_drop_40x24", 40, 24);
+  set_bound(drop->config, ToleranceKind::kSurfaces, 1U << 16U);
+  drop->config.drop_off_surface = true;
+  set_bound(add("sigma_640x480", 640, 480)->config, ToleranceKind::kSigma, 2U << 16U);
+  drop = add("surfaces_drop_640x480", 640, 480);
+  set_bound(drop->config, ToleranceKind::kSurfaces, 2U << 16U);
+  drop->config.drop_off_surface = true;
+}
+
 void add_sensors(const Images& in, std::vector<GoldenCase>& out) {
   GoldenCase c{"tof_64x48", room_config(64, 48), 400, {in[2]}, {}};
   c.config.noise = {NoiseModel::Kind::kTof, 4'000'000};
@@ -192,6 +215,7 @@ Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder
   }
   std::vector<GoldenCase> out;
   add_contracts(images, out);
+  add_scenes(out);
   add_sensors(images, out);
   add_sizes(images, out);
   add_clouds(images, out);

@@ -79,10 +79,13 @@ Result<Bytes> encode_golden(const GoldenCase& c) {
   return file;
 }
 
-Result<std::vector<GoldenFrame>> decode_golden(std::span<const std::uint8_t> file) {
+Result<std::vector<GoldenFrame>> decode_golden(std::span<const std::uint8_t> file,
+                                               const FrameLimits& limits) {
   const auto contents = read_plc(file);
   if (!contents.ok()) return contents.error();
-  auto decoder = Decoder::create({.limits = {2100, 120}});
+  if (!contents->complete || contents->damaged_packets + contents->orphan_slices != 0)
+    return Error{Status::kTruncated, "packets are missing"};
+  auto decoder = Decoder::create({.limits = limits});
   if (!decoder.ok()) return decoder.error();
   Decoder& d = **decoder;
   std::vector<GoldenFrame> out;
@@ -96,6 +99,7 @@ Result<std::vector<GoldenFrame>> decode_golden(std::span<const std::uint8_t> fil
       return Error{status, "frame " + std::to_string(out.size()) + " cannot be decoded"};
     out.push_back({frame.slice_count,
                    {d.depth().begin(), d.depth().end()},
+                   {d.labels().begin(), d.labels().end()},
                    {d.cloud().begin(), d.cloud().end()}});
   }
   return out;
@@ -116,13 +120,15 @@ std::string expected_lines(const std::string& name, const std::vector<GoldenFram
 }
 
 std::string dump_lines(const GoldenFrame& frame, std::uint32_t width) {
-  std::string out;
+  std::string out = "# u v count label x y z (the bits of float32; -1: the stream has none)\n";
   for (std::uint32_t i = 0; i < frame.cloud.size(); ++i) {
     const Point3f& p = frame.cloud[i];
-    char line[100];
-    std::snprintf(line, sizeof line, "%u %u %d %08x %08x %08x\n", i % width, i / width,
-                  frame.depth.empty() ? -1 : int{frame.depth[i]}, std::bit_cast<std::uint32_t>(p.x),
-                  std::bit_cast<std::uint32_t>(p.y), std::bit_cast<std::uint32_t>(p.z));
+    char line[120];
+    std::snprintf(line, sizeof line, "%u %u %d %d %08x %08x %08x\n", i % width, i / width,
+                  frame.depth.empty() ? -1 : int{frame.depth[i]},
+                  frame.labels.empty() ? -1 : int{frame.labels[i]},
+                  std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
+                  std::bit_cast<std::uint32_t>(p.z));
     out += line;
   }
   return out;
