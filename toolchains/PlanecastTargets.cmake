@@ -10,6 +10,7 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE RelWithDebInfo)
 endif()
 
+option(PLANECAST_EMBEDDED "Core alone: no LCM, no commands, no file readers; no exceptions, no RTTI" OFF)
 option(PLANECAST_WERROR "Warnings are errors (on in the presets, off for those who only build)" OFF)
 
 # ccache is used where it is installed and the user chose no launcher.
@@ -36,6 +37,14 @@ target_include_directories(planecast_flags INTERFACE
 target_compile_features(planecast_flags INTERFACE cxx_std_20)
 set_target_properties(planecast_flags PROPERTIES EXPORT_NAME flags)
 add_library(planecast::flags ALIAS planecast_flags)
+# Some machines (RISC-V) have atomic operations on single bytes only in a library.
+include(CheckCXXSourceCompiles)
+check_cxx_source_compiles("#include <atomic>
+std::atomic<bool> flag; std::atomic<unsigned long long> sum;
+int main() { return flag.exchange(true) || sum.fetch_add(1); }" PLANECAST_ATOMICS_NEED_NO_LIBRARY)
+if(NOT PLANECAST_ATOMICS_NEED_NO_LIBRARY)
+  target_link_libraries(planecast_flags INTERFACE atomic)
+endif()
 include(sanitizers)
 if(PROJECT_IS_TOP_LEVEL AND PROJECT_NAME STREQUAL "planecast")
   include(install)
@@ -43,12 +52,17 @@ endif()
 
 set_property(GLOBAL PROPERTY PLANECAST_ROOMS planecast_flags)
 
-# planecast_room(NAME [DEPENDS room...] [PRIVATE_LIBS lib...])
+# planecast_room(NAME [DEPENDS room...] [PRIVATE_LIBS lib...] [HOST_FILES file...])
 # Builds planecast_NAME from the .cpp files of the current folder; a room of headers only is INTERFACE.
+# HOST_FILES are left out of PLANECAST_EMBEDDED builds.
 # Libraries of headers only (Eigen, nanoflann) stay inside: who links an installed room needs none.
 function(planecast_room NAME)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_LIBS;HOST_FILES" ${ARGN})
   file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(PLANECAST_EMBEDDED)
+    list(TRANSFORM ARG_HOST_FILES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+    list(REMOVE_ITEM SOURCES ${ARG_HOST_FILES})
+  endif()
   list(TRANSFORM ARG_DEPENDS PREPEND planecast_)
   list(TRANSFORM ARG_PRIVATE_LIBS REPLACE "^(Eigen3::Eigen|nanoflann::nanoflann)$"
        "$<BUILD_INTERFACE:\\1>")
@@ -56,6 +70,10 @@ function(planecast_room NAME)
     add_library(planecast_${NAME} STATIC ${SOURCES})
     target_link_libraries(planecast_${NAME} PUBLIC planecast_flags ${ARG_DEPENDS}
                           PRIVATE ${ARG_PRIVATE_LIBS})
+    if(PLANECAST_EMBEDDED)
+      target_compile_options(planecast_${NAME} PRIVATE -fno-exceptions -fno-rtti
+                             -ffunction-sections -fdata-sections)
+    endif()
   else()
     add_library(planecast_${NAME} INTERFACE)
     target_link_libraries(planecast_${NAME} INTERFACE planecast_flags ${ARG_DEPENDS})
@@ -65,15 +83,30 @@ function(planecast_room NAME)
   set_property(GLOBAL APPEND PROPERTY PLANECAST_ROOMS planecast_${NAME})
 endfunction()
 
-# planecast_tests(NAME [DEPENDS room...] [LIBS lib...] [LABELS label...])
-# One GoogleTest program from the *_test.cpp files of the current folder.
+# planecast_tests(NAME [DEPENDS room...] [LIBS lib...] [LABELS label...]
+#                 [HOST_FILES file...] [HOST_DEPENDS room...])
+# One GoogleTest program from the *_test.cpp files of the current folder; none where a room it needs
+# is not built. HOST_FILES and HOST_DEPENDS are left out of PLANECAST_EMBEDDED builds. In cross builds
+# the program is one test: each start of the emulator costs time.
 function(planecast_tests NAME)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "DEPENDS;LIBS;LABELS;HOST_FILES;HOST_DEPENDS" ${ARGN})
   file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
+  if(PLANECAST_EMBEDDED)
+    list(TRANSFORM ARG_HOST_FILES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+    list(REMOVE_ITEM SOURCES ${ARG_HOST_FILES})
+  else()
+    list(APPEND ARG_DEPENDS ${ARG_HOST_DEPENDS})
+  endif()
   if(NOT SOURCES)
     return()
   endif()
   list(TRANSFORM ARG_DEPENDS PREPEND planecast_)
+  foreach(room IN LISTS ARG_DEPENDS)
+    if(NOT TARGET ${room})
+      message(STATUS "${NAME}_test is not built: it needs ${room}")
+      return()
+    endif()
+  endforeach()
   add_executable(${NAME}_test ${SOURCES})
   target_link_libraries(${NAME}_test PRIVATE ${ARG_DEPENDS} ${ARG_LIBS} planecast_test_support GTest::gtest_main)
   target_compile_definitions(${NAME}_test PRIVATE PLANECAST_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
@@ -83,6 +116,11 @@ function(planecast_tests NAME)
   if(ARG_LABELS)
     list(JOIN ARG_LABELS "\\;" labels)  # gtest_discover_tests splits an unescaped list
     list(APPEND properties LABELS "${labels}")
+  endif()
+  if(CMAKE_CROSSCOMPILING)
+    add_test(NAME ${NAME} COMMAND ${NAME}_test)
+    set_tests_properties(${NAME} PROPERTIES ${properties})
+    return()
   endif()
   gtest_discover_tests(${NAME}_test TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60
                        PROPERTIES ${properties})

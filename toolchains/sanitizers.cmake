@@ -3,6 +3,14 @@
 set(PLANECAST_SANITIZE "" CACHE STRING "Sanitizers to build with: address, undefined, thread")
 set_property(CACHE PLANECAST_SANITIZE PROPERTY STRINGS "" address undefined "address;undefined" thread)
 
+option(PLANECAST_FUZZ "Build the libFuzzer targets of tests/fuzz (clang only)" OFF)
+if(PLANECAST_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "PLANECAST_FUZZ needs clang: cmake --preset fuzz (toolchains/setup.sh --fuzz)")
+  endif()
+  target_compile_options(planecast_flags INTERFACE $<BUILD_INTERFACE:-fsanitize=fuzzer-no-link>)
+endif()
+
 # A build type of its own: optimised enough to be quick, small line tables for readable stacks,
 # asserts kept. CMake has put an empty value into the cache before this file is read.
 foreach(language C CXX)

@@ -160,10 +160,14 @@ Result<Done> write_png(const fs::path& path, const Picture& p) {
 Result<DepthImage> read_depth_png(const fs::path& path) {
   const auto file = read_file_bytes(path);
   if (!file) return file.error();
-  const Result<Done> header = check_header(path, *file);
+  return parse_depth_png(path, *file);
+}
+
+Result<DepthImage> parse_depth_png(const fs::path& path, std::span<const std::uint8_t> file) {
+  const Result<Done> header = check_header(path, file);
   if (!header) return header.error();
   const Context context(spng_ctx_new(0), &spng_ctx_free);
-  Feed feed{*file};
+  Feed feed{file};
   int code = context ? 0 : static_cast<int>(SPNG_EMEM);
   if (code == 0) code = spng_set_crc_action(context.get(), SPNG_CRC_ERROR, SPNG_CRC_ERROR);
   if (code == 0) code = spng_set_image_limits(context.get(), kMaxImageSide, kMaxImageSide);

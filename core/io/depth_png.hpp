@@ -15,6 +15,10 @@ namespace planecast {
 /// Errors: kNotFound, kUnreadable, naming the byte and the mend. Cold path, allocates.
 Result<DepthImage> read_depth_png(const std::filesystem::path& path);
 
+/// The same from a file's bytes; `path` is for messages only. Errors: kUnreadable. Any bytes.
+Result<DepthImage> parse_depth_png(const std::filesystem::path& path,
+                                   std::span<const std::uint8_t> file);
+
 /// Writes a 16-bit grey PNG. Errors: kUsage for an empty or inconsistent image, kWriteFailed.
 Result<Done> write_depth_png(const std::filesystem::path& path, const DepthImage& image);
 

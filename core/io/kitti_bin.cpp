@@ -23,7 +23,12 @@ double load_float(const std::uint8_t* at) noexcept {
 Result<PointCloud> read_kitti_bin(const std::filesystem::path& path) {
   const auto file = read_file_bytes(path);
   if (!file) return file.error();
-  const std::size_t size = file->size();
+  return parse_kitti_bin(path, *file);
+}
+
+Result<PointCloud> parse_kitti_bin(const std::filesystem::path& path,
+                                   std::span<const std::uint8_t> file) {
+  const std::size_t size = file.size();
   if (size % kRecordBytes != 0) {
     const bool packets = size % kPacketBytes == 0;
     return file_error(path, at_byte(size - size % kRecordBytes),
@@ -38,7 +43,7 @@ Result<PointCloud> read_kitti_bin(const std::filesystem::path& path) {
                       "split the cloud");
   }
   std::vector<Point3d> points(size / kRecordBytes);
-  const std::uint8_t* at = file->data();
+  const std::uint8_t* at = file.data();
   for (Point3d& p : points) {
     p = {load_float(at), load_float(at + 4), load_float(at + 8)};
     at += kRecordBytes;

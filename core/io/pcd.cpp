@@ -70,9 +70,14 @@ void store_points(const PointCloud& cloud, std::uint8_t* at) noexcept {
 Result<PointCloud> read_pcd(const std::filesystem::path& path) {
   const auto file = read_file_bytes(path);
   if (!file) return file.error();
-  const Result<PcdHeader> header = parse_pcd_header(path, *file);
+  return parse_pcd(path, *file);
+}
+
+Result<PointCloud> parse_pcd(const std::filesystem::path& path,
+                             std::span<const std::uint8_t> file) {
+  const Result<PcdHeader> header = parse_pcd_header(path, file);
   if (!header) return header.error();
-  const auto points = read_pcd_points(path, *header, *file);
+  const auto points = read_pcd_points(path, *header, file);
   if (!points) return points.error();
   auto cloud = build_cloud(path, header->width, header->height, *points, coordinate_kind(*header),
                            other_fields(*header));

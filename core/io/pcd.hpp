@@ -2,7 +2,9 @@
 // Our own reader because PCL is several hundred packages; docs: PCL's "PCD file format" page.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "core/base/status.hpp"
 #include "core/cloud/sensor_frame.hpp"
@@ -15,6 +17,9 @@ namespace planecast {
 /// dropped_fields. NaN points are kept; large offsets go to origin_*; VIEWPOINT to viewpoint.
 /// Errors: kNotFound, kUnreadable, with line or byte and the mend. Cold path, allocates.
 Result<PointCloud> read_pcd(const std::filesystem::path& path);
+
+/// The same from a file's bytes; `path` is for messages only. Errors: kUnreadable. Any bytes.
+Result<PointCloud> parse_pcd(const std::filesystem::path& path, std::span<const std::uint8_t> file);
 
 /// Writes binary PCD 0.7 in the cloud's shape, invalid points as NaN (none is left out).
 /// Coordinates are float32, or float64 with the origin added when the cloud has one. Errors: kUsage

@@ -57,9 +57,14 @@ void append_point(std::vector<std::uint8_t>& out, const PointCloud& cloud, const
 Result<PointCloud> read_ply(const std::filesystem::path& path) {
   const auto file = read_file_bytes(path);
   if (!file) return file.error();
-  const Result<PlyHeader> header = parse_ply_header(path, *file);
+  return parse_ply(path, *file);
+}
+
+Result<PointCloud> parse_ply(const std::filesystem::path& path,
+                             std::span<const std::uint8_t> file) {
+  const Result<PlyHeader> header = parse_ply_header(path, file);
   if (!header) return header.error();
-  const auto points = read_ply_points(path, *header, *file);
+  const auto points = read_ply_points(path, *header, file);
   if (!points) return points.error();
   return build_cloud(path, static_cast<std::uint32_t>(points->size()), 1, *points,
                      coordinate_kind(*header), other_content(*header));

@@ -210,7 +210,12 @@ void append_line(std::string& out, T x, T y, T z) {
 Result<PointCloud> read_xyz_text(const std::filesystem::path& path) {
   const auto file = read_file_bytes(path);
   if (!file) return file.error();
-  return XyzParser(path).parse(as_text(*file));
+  return parse_xyz_text(path, *file);
+}
+
+Result<PointCloud> parse_xyz_text(const std::filesystem::path& path,
+                                  std::span<const std::uint8_t> file) {
+  return XyzParser(path).parse(as_text(file));
 }
 
 Result<WriteReport> write_xyz_text(const std::filesystem::path& path, const PointCloud& cloud) {

@@ -2,7 +2,9 @@
 // behind these files, so what is not clear (decimal commas, ragged lines) is refused, not guessed.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "core/base/status.hpp"
 #include "core/cloud/sensor_frame.hpp"
@@ -16,6 +18,10 @@ namespace planecast {
 /// Other columns are named in dropped_fields; large offsets go to origin_*.
 /// Errors: kNotFound, kUnreadable, naming the line and the mend. Cold path, allocates.
 Result<PointCloud> read_xyz_text(const std::filesystem::path& path);
+
+/// The same from a file's bytes; `path` is for messages only. Errors: kUnreadable. Any bytes.
+Result<PointCloud> parse_xyz_text(const std::filesystem::path& path,
+                                  std::span<const std::uint8_t> file);
 
 /// Writes the valid points, one "x y z" a line, each the shortest decimal that reads back the same;
 /// invalid ones are left out and counted in the report. Errors: kWriteFailed.

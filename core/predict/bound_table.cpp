@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/int128.hpp"
 #include "core/sensor/ray_length.hpp"
 
 namespace planecast {
@@ -9,8 +10,6 @@ namespace {
 
 constexpr std::uint32_t kCounts = 65536;
 constexpr std::uint32_t kMaxErrorQ8 = 65535U * 256U;
-
-__extension__ using UInt128 = unsigned __int128;
 
 // Sigmas are cut here, so that any multiple of one fits 64 bits.
 constexpr std::uint64_t kMaxSigmaQ8 = std::uint64_t{1} << 31U;
@@ -28,8 +27,8 @@ std::uint64_t sigma_q8(const NoiseModel& noise, std::uint64_t unit_pm,
       std::min<std::uint64_t>(depth * unit_pm / 1'000'000, std::uint64_t{1} << 27U);
   // S [1e-9/m] z^2 [1e-12 m^2] / unit [1e-12 m] * 256 = (z^2 >> 12) S 4096 * 256e-9 / unit_pm,
   // and 4096 * 256e-9 = 1.048576e-3; 1048/1e6 rounds towards the stricter side.
-  const UInt128 product = UInt128{(z_um * z_um) >> 12U} * noise.s_e9 / 1000;
-  const UInt128 sigma = product / 1000 * 1048 / unit_pm;
+  const Int128 product = Int128{(z_um * z_um) >> 12U} * noise.s_e9 / 1000;
+  const Int128 sigma = product / 1000 * 1048 / unit_pm;
   return sigma < kMaxSigmaQ8 ? static_cast<std::uint64_t>(sigma) : kMaxSigmaQ8;
 }
 

@@ -1,9 +1,9 @@
 #include "core/sensor/ray_table.hpp"
 
+#include "core/base/int128.hpp"
+
 namespace planecast {
 namespace {
-
-__extension__ using Int128 = __int128;
 
 constexpr int kIterations = 20;                        // Newton's limit; 3 to 6 are usual
 constexpr std::int64_t kOne = std::int64_t{1} << 30U;  // 1.0 in Q30

@@ -5,12 +5,11 @@
 
 #include <cmath>
 
+#include "core/base/int128.hpp"
 #include "core/base/random.hpp"
 
 namespace planecast {
 namespace {
-
-__extension__ using Int128 = __int128;
 
 TEST(Surface, InverseDepthIsTheFloorOfTheExactValueEvenAtTheLimits) {
   Pcg32 random(5);
