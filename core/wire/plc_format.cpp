@@ -174,14 +174,14 @@ Status PlcWriter::add_packet(std::span<const std::uint8_t> packet) {
 void PlcWriter::finish() {
   if (finished_) return;
   finished_ = true;
-  const std::uint64_t at = bytes_.size();
+  const std::size_t at = bytes_.size();
   append_le(bytes_, kIndexMark);
   append_le(bytes_, static_cast<std::uint32_t>(index_.size()));
   for (const IndexEntry& entry : index_) {
     append_le(bytes_, entry.offset);
     append_le(bytes_, entry.key_offset);
   }
-  append_le(bytes_, at);
+  append_le(bytes_, std::uint64_t{at});
   append_le(bytes_, static_cast<std::uint32_t>(index_.size()));
   append_le(bytes_, crc32c(std::span<const std::uint8_t>(bytes_).subspan(at)));
   bytes_.insert(bytes_.end(), kTrailerMagic, kTrailerMagic + 4);
@@ -231,8 +231,9 @@ Result<std::vector<PlcPlace>> read_plc_index(std::span<const std::uint8_t> bytes
   if (bytes.size() < kPlcHeaderBytes + 8 + kTrailerBytes) return no_trailer();
   const std::uint8_t* trailer = bytes.data() + bytes.size() - kTrailerBytes;
   if (!std::equal(kTrailerMagic, kTrailerMagic + 4, trailer + 16)) return no_trailer();
-  const auto at = load_le<std::uint64_t>(trailer);
-  if (at < kPlcHeaderBytes || at > bytes.size() - 8 - kTrailerBytes ||
+  const auto named = load_le<std::uint64_t>(trailer);
+  const auto at = static_cast<std::size_t>(named);
+  if (named < kPlcHeaderBytes || named > bytes.size() - 8 - kTrailerBytes ||
       load_le<std::uint32_t>(bytes.data() + at) != kIndexMark) {
     return error_at(Status::kBadCheck, bytes.size() - kTrailerBytes, "the trailer points nowhere");
   }

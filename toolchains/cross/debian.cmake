@@ -12,7 +12,7 @@ set(planecast_libraries /usr/${PLANECAST_TRIPLE}/lib)
 if(PLANECAST_CROSS_ROOT)
   set(planecast_root_lib ${PLANECAST_CROSS_ROOT}/usr/lib/${PLANECAST_TRIPLE})
   set(CMAKE_FIND_ROOT_PATH ${PLANECAST_CROSS_ROOT})
-  set(CMAKE_CXX_FLAGS_INIT "-isystem ${PLANECAST_CROSS_ROOT}/usr/include")
+  string(APPEND CMAKE_CXX_FLAGS_INIT " -isystem ${PLANECAST_CROSS_ROOT}/usr/include")
   set(planecast_also ${PLANECAST_CROSS_ROOT}/lib/${PLANECAST_TRIPLE})
   string(APPEND CMAKE_EXE_LINKER_FLAGS_INIT " -L${planecast_root_lib} -L${planecast_also}"
          " -Wl,-rpath-link,${planecast_root_lib}:${planecast_also} -Wl,--allow-shlib-undefined")
