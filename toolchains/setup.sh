@@ -5,10 +5,11 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: toolchains/setup.sh [--bench] [--fuzz] [--print]
+usage: toolchains/setup.sh [--bench] [--fuzz] [--cross] [--print]
   Installs what is missing of the packages that building and testing need (Debian 12).
   --bench   also the codecs that the benchmarks compare with
   --fuzz    also clang with libFuzzer
+  --cross   also the cross compilers for 32-bit ARM and RISC-V
   --print   only print the packages, one a line, and change nothing
 exit codes: 0 everything is there, 1 something could not be installed, 2 wrong usage
 TEXT
@@ -34,15 +35,20 @@ packages=(
   libbenchmark-dev    # bench/
   python3-minimal     # tests/house
   iproute2 util-linux # private network namespaces for LCM tests and apps/demo.sh (ip, unshare)
+  googletest          # its sources, to build the tests for other machines
+  # tests/cross: the golden vectors on a board's processor and on a big-endian one (130 MB to fetch)
+  g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static
 )
 bench_packages=(libdraco-dev libbz2-dev libzstd-dev libcharls-dev libopenjp2-7-dev liblzma-dev libpng-dev)
 fuzz_packages=(clang libclang-rt-14-dev)
+cross_packages=(g++-arm-linux-gnueabihf g++-riscv64-linux-gnu)
 
 print_only=no
 for argument in "$@"; do
   case "$argument" in
     --bench) packages+=("${bench_packages[@]}") ;;
     --fuzz) packages+=("${fuzz_packages[@]}") ;;
+    --cross) packages+=("${cross_packages[@]}") ;;
     --print) print_only=yes ;;
     -h | --help) usage; exit 0 ;;
     *) echo "setup.sh: unknown option '$argument'" >&2; usage >&2; exit 2 ;;

@@ -66,7 +66,7 @@ run 0
 has apt.log libspng-dev
 
 stub dpkg-query 'case "$*" in *libdraco-dev* | *libclang-rt-14-dev*) exit 1 ;; *) echo "ii " ;; esac'
-run 0 --bench --fuzz
+run 0 --bench --fuzz --cross
 has apt.log libdraco-dev
 has apt.log libclang-rt-14-dev
 run 2 --no-such-option
