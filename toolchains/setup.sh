@@ -36,7 +36,7 @@ packages=(
   python3-minimal     # tests/house
   iproute2 util-linux # private network namespaces for LCM tests and apps/demo.sh (ip, unshare)
   googletest          # its sources, to build the tests for other machines
-  # tests/cross: the golden vectors on a board's processor and on a big-endian one (130 MB to fetch)
+  # tests/cross: the golden vectors on a board's processor and on a big-endian one (150 MB to fetch)
   g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static
 )
 bench_packages=(libdraco-dev libbz2-dev libzstd-dev libcharls-dev libopenjp2-7-dev liblzma-dev libpng-dev)
