@@ -16,6 +16,7 @@ namespace planecast {
 enum class FrameKind : std::uint8_t {
   kDepth = 0,     ///< an integer depth image; points are regenerated along rays
   kRawCloud = 1,  ///< an organised grid of float32 x, y, z, coded losslessly
+  kPoints = 2,    ///< a list of points without order: point lists and surface patches
 };
 
 /// Which error contract holds (DESIGN 4).
@@ -45,6 +46,33 @@ enum class ZRule : std::uint8_t { kProductInDouble = 0, kProductInFloat = 1, kPr
 /// Whose clock stamps are read from.
 enum class ClockDomain : std::uint8_t { kUnknown = 0, kMonotonic = 1, kRealtime = 2, kSensor = 3 };
 
+/// How the points of a patch are laid out inside its boundary.
+enum class FillMode : std::uint8_t {
+  kLattice = 0,  ///< evenly spaced
+  kRandom = 1,   ///< at random, uniform over the area
+};
+
+/// Most points that a frame of a kPoints stream may have.
+inline constexpr std::uint32_t kMaxFramePoints = std::uint32_t{1} << 25U;
+/// Most of a step between coded points: 1 m.
+inline constexpr std::uint64_t kMaxPointStepPm = 1'000'000'000'000;
+/// Most of the bound of coded points, in steps.
+inline constexpr std::uint32_t kMaxPointToleranceSteps = 1U << 20U;
+/// Most of a step of patches: 1 m.
+inline constexpr std::uint32_t kMaxPatchUnitNm = 1'000'000'000;
+
+/// What only kPoints streams have. Points are counted in steps from the cloud's own zero, which
+/// lies at StreamConfig::axes' translation in the coordinates of the input.
+struct PointStream {
+  std::uint32_t max_points = 0;       ///< most points of a frame, 1 .. kMaxFramePoints
+  std::uint64_t step_pm = 0;          ///< spacing of the grid [pm]; 0: float32 bits are coded
+  std::uint32_t tolerance_steps = 0;  ///< bound of coded points; what grid and float32 take is off
+  std::uint32_t patch_unit_nm = 0;    ///< a step of every coordinate of a patch; 1 ..
+  FillMode fill = FillMode::kLattice;
+  std::uint32_t seed = 0;  ///< of FillMode::kRandom
+  friend bool operator==(const PointStream&, const PointStream&) = default;
+};
+
 inline constexpr std::size_t kMaxFrameIdBytes = 31;
 
 /// The content of a key packet. Ranges are checked by check_config().
@@ -60,6 +88,7 @@ struct StreamConfig {
   CameraModel camera;
   ZRule z_rule = ZRule::kProductInDouble;
   Lattice lattice;
+  PointStream points;  ///< kPoints, which has no camera, z rule or lattice: all zero there
   NoiseModel noise;
 
   ToleranceKind tolerance = ToleranceKind::kLossless;
@@ -70,11 +99,16 @@ struct StreamConfig {
   bool mirror_y = false;  ///< the cloud's axes are left-handed: y is flipped before `axes`
 
   PoseFixed pose;  ///< sensor in the world
-  PoseFixed axes;  ///< optical axes in the cloud's own frame (estimated clouds)
+  PoseFixed axes;  ///< optical axes in the cloud's own frame (estimated clouds); kPoints: its
+                   ///< translation is the zero of the points, handed on and never added
   std::array<char, kMaxFrameIdBytes + 1> frame_id{};  ///< NUL-terminated ASCII
 
   friend bool operator==(const StreamConfig&, const StreamConfig&) = default;
 };
+
+/// The bound of a point on no surface [pm] of a kPoints stream: of metres, or multiples of sigma;
+/// 0 when lossless.
+std::uint64_t point_bound_pm(const StreamConfig& config) noexcept;
 
 /// Checks every range: kOk or kFieldRange. Used on configurations from users and from the wire.
 Status check_config(const StreamConfig& config) noexcept;

@@ -12,6 +12,7 @@ void StreamTables::layout(Arena& arena, const FrameLimits& limits) noexcept {
 
 Status StreamTables::build(const StreamConfig& config, std::uint32_t key_hash) noexcept {
   if (const Status status = check_config(config); status != Status::kOk) return status;
+  if (config.kind == FrameKind::kPoints) return Status::kUnsupportedVersion;
   if (config.camera.width > limits_.max_width || config.camera.height > limits_.max_height) {
     return Status::kFrameTooLarge;
   }

@@ -80,6 +80,15 @@ void camera_fields(Config& c, Field&& field) noexcept {
 }
 
 template <class Config, class Field>
+void points_fields(Config& c, Field&& field) noexcept {
+  field(c.points.max_points);
+  field(c.points.step_pm);
+  field(c.points.tolerance_steps);
+  field(c.points.patch_unit_nm);
+  field(c.points.seed);
+}
+
+template <class Config, class Field>
 void pose_fields(Config& c, Field&& field) noexcept {
   for (auto* pose : {&c.pose, &c.axes}) {
     for (auto& q : pose->q_q30) field(q);
@@ -108,9 +117,14 @@ std::size_t write_key_body(const StreamConfig& config, std::span<std::uint8_t> o
   put(config.epoch_ns);
   put(config.boot_id);
   put(config.period_ms);
-  camera_fields(config, put);
-  put(config.lattice.c_q8);
-  put(static_cast<std::uint16_t>(config.lattice.offset_q16));
+  if (config.kind == FrameKind::kPoints) {
+    points_fields(config, put);
+    put(static_cast<std::uint8_t>(config.points.fill));
+  } else {
+    camera_fields(config, put);
+    put(config.lattice.c_q8);
+    put(static_cast<std::uint16_t>(config.lattice.offset_q16));
+  }
   put(config.noise.s_e9);
   put(config.tolerance_100nm);
   put(config.sigmas_q16);
@@ -128,7 +142,7 @@ Status read_key_body(std::span<const std::uint8_t> body, StreamConfig& config) n
   Reader r(body);
   const auto get = [&](auto& value) { r.get(value); };
   std::uint8_t minor = 0, flags = 0, kind = 0, rule = 0, clock = 0, tolerance = 0, noise = 0,
-               id_bytes = 0, blocks = 0;
+               id_bytes = 0, blocks = 0, fill = 0;
   get(minor);
   get(config.stream);
   get(flags);
@@ -137,10 +151,15 @@ Status read_key_body(std::span<const std::uint8_t> body, StreamConfig& config) n
   get(config.epoch_ns);
   get(config.boot_id);
   get(config.period_ms);
-  camera_fields(config, get);
   std::uint16_t offset = 0;
-  get(config.lattice.c_q8);
-  get(offset);
+  if (static_cast<FrameKind>(kind) == FrameKind::kPoints) {
+    points_fields(config, get);
+    get(fill);
+  } else {
+    camera_fields(config, get);
+    get(config.lattice.c_q8);
+    get(offset);
+  }
   get(config.noise.s_e9);
   get(config.tolerance_100nm);
   get(config.sigmas_q16);
@@ -170,6 +189,7 @@ Status read_key_body(std::span<const std::uint8_t> body, StreamConfig& config) n
   config.mirror_y = (flags & kMirrorY) != 0;
   config.lattice.offset_q16 = offset;
   config.kind = static_cast<FrameKind>(kind);
+  config.points.fill = static_cast<FillMode>(fill);
   config.z_rule = static_cast<ZRule>(rule);
   config.clock = static_cast<ClockDomain>(clock);
   config.tolerance = static_cast<ToleranceKind>(tolerance);

@@ -118,7 +118,7 @@ void add_keys(Collection& c, const Bytes& key) {
   c.add(Status::kTrailingBytes, "key_tail", key, [](Bytes& b) { b.push_back(0); });
   c.add_byte(Status::kUnsupportedVersion, "key_minor", key, 0, 77);
   c.add_byte(Status::kReservedBits, "key_body_flag", key, 2, 0x40);
-  c.add_byte(Status::kFieldRange, "key_kind", key, 3, 2);
+  c.add_byte(Status::kFieldRange, "key_kind", key, 3, 3);
   c.add_byte(Status::kFieldRange, "key_z_rule", key, 4, 3);
   c.add_byte(Status::kFieldRange, "key_clock", key, 5, 4);
   c.add_byte(Status::kFieldRange, "key_tolerance", key, 6, 4);

@@ -58,7 +58,7 @@ NAMES = ("minor stream flags kind z_rule clock tolerance noise session epoch boo
 
 
 def key_packet(body):
-    need(len(body) > KEY.size, "key body")
+    need(len(body) > KEY.size and body[3] < 2, "key body")
     key = dict(zip(NAMES, KEY.unpack(body[:KEY.size])))
     need(key["minor"] == 1 and key["flags"] < 16, "version or flags")
     need(len(body) == KEY.size + key["n"] + 1 and body[-1] == 0, "key length")

@@ -81,8 +81,30 @@ inline void random_tolerance(Pcg32& random, StreamConfig& config) {
   config.drop_off_surface = config.tolerance == ToleranceKind::kSurfaces && random.below(3) == 0;
 }
 
+/// Turns a random configuration into one of a points stream.
+inline void make_points(Pcg32& random, StreamConfig& c) {
+  c.kind = FrameKind::kPoints;
+  c.camera = {};
+  c.lattice = {};
+  c.z_rule = ZRule::kProductInDouble;
+  c.mirror_y = false;
+  c.axes.q_q30 = PoseFixed{}.q_q30;
+  c.points.max_points = 1 + random.below(kMaxFramePoints);
+  c.points.step_pm = (std::uint64_t{random.next()} << 32U | random.next()) % (kMaxPointStepPm + 1);
+  c.points.patch_unit_nm = 1 + random.below(kMaxPatchUnitNm);
+  c.points.fill = static_cast<FillMode>(random.below(2));
+  c.points.seed = random.next();
+  c.noise.kind = NoiseModel::Kind::kTof;
+  if (c.tolerance == ToleranceKind::kLossless) return;
+  c.points.step_pm |= 1U;
+  const std::uint64_t most = point_bound_pm(c) / c.points.step_pm;
+  c.points.tolerance_steps = static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(kMaxPointToleranceSteps, most == 0 ? 0 : random.next() % (most + 1)));
+}
+
 /// Every field random within its range.
-inline StreamConfig random_config(Pcg32& random, std::uint32_t max_side = 400) {
+inline StreamConfig random_config(Pcg32& random, std::uint32_t max_side = 400,
+                                  bool points_too = false) {
   StreamConfig c;
   c.stream = static_cast<std::uint8_t>(random.next());
   c.session = random.next();
@@ -103,6 +125,7 @@ inline StreamConfig random_config(Pcg32& random, std::uint32_t max_side = 400) {
   const std::uint32_t letters = random.below(kMaxFrameIdBytes + 1);
   for (std::uint32_t i = 0; i < letters; ++i)
     c.frame_id[i] = static_cast<char>(0x20 + random.below(0x5f));
+  if (points_too && random.below(3) == 0) make_points(random, c);
   EXPECT_EQ(check_config(c), Status::kOk);
   return c;
 }

@@ -21,7 +21,7 @@ Bytes body_of(const StreamConfig& config) {
 
 StreamConfig config_of(std::uint64_t seed) {
   Pcg32 random(seed);
-  return test::random_config(random);
+  return test::random_config(random, 400, true);
 }
 
 TEST(KeyPacket, EveryValidConfigurationComesBack) {
