@@ -41,7 +41,7 @@ FENCES = [
     ("LCM", r"lcm/.*", ("transport/*.cpp", "tests/", "bench/")),
     ("Eigen", r"Eigen/.*", ("core/filter/", "core/segment/", "core/fit/", "core/hull/",
                             "core/metrics/", "core/sensor/*.cpp", "tests/", "bench/")),
-    ("libspng", r"spng\.h", ("core/io/*.cpp", "tests/")),
+    ("libspng", r"spng\.h", ("core/io/*.cpp", "tests/", "bench/")),
     ("a library of the apps", r"(CLI|toml\+\+|fmt|spdlog|nlohmann)/.*", OUTSIDE),
     ("a library of the tests", r"(gtest|gmock|rapidcheck|benchmark)(/.*|\.h)", ("tests/", "bench/")),
     ("threads or atomics", "|".join(re.escape(name) for name in THREADS),
@@ -185,6 +185,7 @@ def check_arrows(tree):
                 if top == "apps" else
                 target_top in ("core", "transport", top)
                 or (path.startswith(("tests/apps/", "tests/system/")) and target_top == "apps")
+                or (path.startswith("tests/bench/") and target_top == "bench")
                 or (top == "bench" and target.startswith("apps/common/")))
             if not allowed:
                 yield path, line, f'{room or top} may not include "{target}"'
