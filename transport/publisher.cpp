@@ -6,10 +6,10 @@
 #include <atomic>
 #include <cstring>
 #include <new>
-#include <thread>
 #include <vector>
 
 #include "transport/overwrite_ring.hpp"
+#include "transport/service_thread.hpp"
 #include "transport/wake.hpp"
 
 namespace planecast {
@@ -86,7 +86,7 @@ struct Publisher::Impl {
   OverwriteRing ring;
   Wake wake;
   std::atomic<bool> stopping{false};
-  std::thread thread;
+  ServiceThread thread;
 
   // The pipeline thread's.
   FrameBuffer* claimed = nullptr;
@@ -153,7 +153,6 @@ void Publisher::Impl::send(const FrameBuffer& frame) noexcept {
 void Publisher::Impl::run() noexcept {
   // The default slack of 50 us would double the pace.
   ::prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
-  if (config.on_thread_start != nullptr) config.on_thread_start("publisher");
   for (;;) {
     const int slot = ring.take();
     const bool stop = stopping.load(std::memory_order_acquire);
@@ -205,7 +204,10 @@ Result<std::unique_ptr<Publisher>> Publisher::create(const PublisherConfig& conf
     return {Status::kOutOfArena, "the publisher needs " + std::to_string(memory_bytes(config)) +
                                      " bytes, more than the arena has left"};
   std::unique_ptr<Publisher> publisher(new Publisher(std::move(impl)));
-  publisher->impl_->thread = std::thread([raw = publisher->impl_.get()] { raw->run(); });
+  Impl* raw = publisher->impl_.get();
+  const auto entry = [](void* self) { static_cast<Impl*>(self)->run(); };
+  const auto started = raw->thread.start("publisher", config.on_thread_start, entry, raw);
+  if (!started) return started.error();
   return publisher;
 }
 
@@ -269,7 +271,7 @@ bool Publisher::flush(std::int64_t timeout_ns) const noexcept {
 void Publisher::stop() noexcept {
   impl_->stopping.store(true, std::memory_order_release);
   impl_->wake.notify();
-  if (impl_->thread.joinable()) impl_->thread.join();
+  impl_->thread.join();
 }
 
 PublisherStatistics Publisher::statistics() const noexcept {

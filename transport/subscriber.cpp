@@ -4,6 +4,7 @@
 #include <atomic>
 #include <thread>
 
+#include "transport/service_thread.hpp"
 #include "transport/wake.hpp"
 
 namespace planecast {
@@ -18,9 +19,8 @@ struct Subscriber::Impl {
   ParseFn parse = nullptr;
   std::shared_ptr<LcmLink> link;
   std::unique_ptr<Assembler> assembler;
-  void (*on_thread_start)(const char* name) = nullptr;
   std::atomic<bool> stopping{false};
-  std::thread thread;
+  ServiceThread thread;
 
   static void on_message(void* user, std::span<const std::uint8_t> message) noexcept {
     static_cast<Impl*>(user)->receive(message);
@@ -48,7 +48,6 @@ void Subscriber::Impl::receive(std::span<const std::uint8_t> message) noexcept {
 }
 
 void Subscriber::Impl::run() noexcept {
-  if (on_thread_start != nullptr) on_thread_start("subscriber");
   while (!stopping.load(std::memory_order_acquire)) {
     const std::int64_t due_ns = assembler->next_deadline_ns() - monotonic_ns();
     // Rounded up: woken a moment early, the loop would spin until the deadline.
@@ -83,7 +82,6 @@ Result<std::unique_ptr<Subscriber>> Subscriber::create(const SubscriberConfig& c
   if (!assembler) return assembler.error();
   auto impl = std::make_unique<Impl>();
   impl->parse = config.parse;
-  impl->on_thread_start = config.on_thread_start;
   impl->link = std::move(link);
   impl->assembler = std::move(assembler.value());
   std::unique_ptr<Subscriber> subscriber(new Subscriber(std::move(impl)));
@@ -95,7 +93,9 @@ Result<std::unique_ptr<Subscriber>> Subscriber::create(const SubscriberConfig& c
       config.message_bytes, max_datagram_message_bytes(config.channel) - kMaxChannelBytes);
   Result<Done> warmed = raw->link->warm_up(config.channel, config.lcm_queue, warm_up_bytes);
   if (!warmed) return warmed.error();
-  raw->thread = std::thread([raw] { raw->run(); });
+  const auto entry = [](void* self) { static_cast<Impl*>(self)->run(); };
+  const auto started = raw->thread.start("subscriber", config.on_thread_start, entry, raw);
+  if (!started) return started.error();
   return subscriber;
 }
 
@@ -109,7 +109,7 @@ ReceiverStatistics Subscriber::statistics() const noexcept {
 
 void Subscriber::stop() noexcept {
   impl_->stopping.store(true, std::memory_order_release);
-  if (impl_->thread.joinable()) impl_->thread.join();
+  impl_->thread.join();
   impl_->assembler->interrupt();
 }
 

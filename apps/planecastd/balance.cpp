@@ -59,6 +59,19 @@ void add_stages(std::vector<std::string>& lines, const StageRunner& runner) {
   }
 }
 
+void add_watchdog(std::vector<std::string>& lines, const StageRunner& runner,
+                  const Watchdog& watchdog) {
+  std::string late, silent;
+  for (std::uint32_t i = 0; i < runner.stage_count(); ++i) {
+    const StageReport stage = runner.report(i);
+    if (stage.late > 0) late += fmt::format(" {} {}", stage.name, stage.late);
+    if (watchdog.silences(i) > 0) silent += fmt::format(" {} {}", stage.name, watchdog.silences(i));
+  }
+  lines.push_back(fmt::format("  watchdog, {:g} ms: late{}; silent{}",
+                              static_cast<double>(watchdog.limit_ns()) * 1e-6,
+                              late.empty() ? " 0" : late, silent.empty() ? " 0" : silent));
+}
+
 }  // namespace
 
 bool StreamCounts::balanced() const {
@@ -68,11 +81,13 @@ bool StreamCounts::balanced() const {
          in == out() + failed() + dropped();
 }
 
-std::vector<std::string> balance_lines(const StreamCounts& counts, const StageRunner& runner) {
+std::vector<std::string> balance_lines(const StreamCounts& counts, const StageRunner& runner,
+                                       const Watchdog* watchdog) {
   std::vector<std::string> lines;
   add_frames(lines, counts);
   add_content(lines, counts);
   add_stages(lines, runner);
+  if (watchdog != nullptr) add_watchdog(lines, runner, *watchdog);
   return lines;
 }
 

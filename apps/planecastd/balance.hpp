@@ -8,6 +8,7 @@
 
 #include "apps/common/stream_sender.hpp"
 #include "core/pipeline/stage_runner.hpp"
+#include "core/pipeline/watchdog.hpp"
 #include "transport/publisher.hpp"
 
 namespace planecast {
@@ -34,7 +35,8 @@ struct StreamCounts {
   bool balanced() const;
 };
 
-/// The closing table, one line each.
-std::vector<std::string> balance_lines(const StreamCounts& counts, const StageRunner& runner);
+/// The closing table, one line each; with a watchdog (may be null) also what it saw.
+std::vector<std::string> balance_lines(const StreamCounts& counts, const StageRunner& runner,
+                                       const Watchdog* watchdog = nullptr);
 
 }  // namespace planecast

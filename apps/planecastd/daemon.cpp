@@ -2,14 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
-#include <thread>
+#include <optional>
 
+#include "apps/common/memory_fit.hpp"
 #include "apps/planecastd/balance.hpp"
 #include "apps/planecastd/frame_player.hpp"
 #include "apps/planecastd/memory_plan.hpp"
 #include "apps/planecastd/status_report.hpp"
 #include "apps/planecastd/stream_input.hpp"
+#include "core/pipeline/watchdog.hpp"
 #include "core/pipeline/worker_thread.hpp"
 
 namespace planecast {
@@ -42,11 +45,15 @@ struct Daemon {
   std::unique_ptr<Publisher> publisher;
   std::unique_ptr<StreamSender> sender;
   std::unique_ptr<FramePlayer> player;
-  std::thread source_thread, sender_thread;
+  std::optional<Watchdog> watchdog;
+  WorkerThread source_thread, sender_thread;
   std::string told;  // the refusal printed last
 
   Result<Done> prepare(const MemoryPlan& plan, const LcmUrl& url);
   Result<Done> start();
+  Result<Done> start_threads();
+  void warn() const;
+  void look_at_stages();
   void watch(StatusReport& report);
   void finish();
   void tell_refusals();
@@ -61,11 +68,9 @@ Result<Done> Daemon::prepare(const MemoryPlan& plan, const LcmUrl& url) {
     if (!link) return link.error();
     input.link = std::move(*link);
   }
-  auto taken = take_memory(needs, plan, {.lock = daemon.lock_memory});
+  auto taken = take_memory(needs, plan, {});
   if (!taken) return taken.error();
   memory = std::move(*taken);
-  if (memory.arena.lock_refused())
-    fmt::print(stderr, "planecastd: memory is not locked; raise RLIMIT_MEMLOCK (ulimit -l)\n");
   const FeedConfig feed_config{.repeat = options.repeat, .live = input.live != nullptr};
   feed =
       std::make_unique<FrameFeed>(*input.source, input.setup, std::move(input.first), feed_config);
@@ -81,7 +86,36 @@ Result<Done> Daemon::prepare(const MemoryPlan& plan, const LcmUrl& url) {
   return Done{};
 }
 
+// What the machine refuses is said once; the stream runs all the same.
+void Daemon::warn() const {
+  const StageRunner& runner = encoder->runner();
+  for (const std::string& line : refusals(runner.fifo_refused(), runner.affinity_refused()))
+    fmt::print(stderr, "planecastd: {}\n", line);
+}
+
+Result<Done> Daemon::start_threads() {
+  const auto send = [](void* self) -> void* {
+    dress_this_thread("sender");
+    static_cast<Daemon*>(self)->sender->run();
+    return nullptr;
+  };
+  const auto play = [](void* self) -> void* {
+    dress_this_thread("source");
+    static_cast<Daemon*>(self)->player->run();
+    return nullptr;
+  };
+  if (sender_thread.start(send, this) == 0 && source_thread.start(play, this) == 0) return Done{};
+  encoder->stop(StopMode::kDiscard);
+  sender_thread.join();
+  return {Status::kOutOfArena,
+          "the system refuses a thread; raise the limits of processes and of memory"};
+}
+
 Result<Done> Daemon::start() {
+  if (daemon.realtime.lock_memory) {
+    const std::string refused = lock_all_memory();
+    if (!refused.empty()) fmt::print(stderr, "planecastd: {}\n", refused);
+  }
   if (const auto started = encoder->start(); !started) return started.error();
   sender = std::make_unique<StreamSender>(
       *encoder, *publisher,
@@ -90,15 +124,21 @@ Result<Done> Daemon::start() {
   player_config.wait = daemon.wait;
   if (input.live == nullptr) player_config.rate_hz = input.rate_hz;
   player = std::make_unique<FramePlayer>(*feed, *encoder, player_config);
-  sender_thread = std::thread([this] {
-    (void)prepare_worker({.name = "sender"});
-    sender->run();
-  });
-  source_thread = std::thread([this] {
-    (void)prepare_worker({.name = "source"});
-    player->run();
-  });
+  if (daemon.realtime.watchdog_ns() > 0)
+    watchdog.emplace(encoder->runner(), daemon.realtime.watchdog_ns());
+  if (const auto started = start_threads(); !started) return started.error();
+  warn();
   return Done{};
+}
+
+void Daemon::look_at_stages() {
+  if (!watchdog) return;
+  const std::uint32_t fell = watchdog->look();
+  for (std::uint32_t i = 0; fell >> i != 0; ++i) {
+    if ((fell >> i & 1U) != 0)
+      fmt::print(stderr, "planecastd: watchdog: stage {} is silent for more than {:g} ms\n",
+                 encoder->runner().report(i).name, daemon.realtime.watchdog_ms);
+  }
 }
 
 StreamMoment Daemon::moment() const {
@@ -122,7 +162,10 @@ void Daemon::watch(StatusReport& report) {
     before = now;
   };
   std::int64_t line_ns = before.time_ns + kSecondNs;
-  while (!player->finished() && !signals.wait(kPollNs)) {
+  const std::int64_t poll_ns =
+      watchdog ? std::clamp<std::int64_t>(watchdog->limit_ns() / 4, 1'000'000, kPollNs) : kPollNs;
+  while (!player->finished() && !signals.wait(poll_ns)) {
+    look_at_stages();
     if (monotonic_ns() < line_ns) continue;
     line_ns += kSecondNs;
     tell_refusals();
@@ -199,15 +242,26 @@ ExitCode run_daemon(const DaemonOptions& daemon, const CodecOptions& options) {
   auto input = open_input(daemon, options, *url, signals);
   if (!input) return signals.signal() != 0 ? ExitCode::kDone : complain(input.error());
   Daemon self(daemon, options, signals, std::move(*input));
+  set_thread_wishes(daemon.realtime);
   self.needs.encoder = self.input.setup.encoder;
+  RunnerConfig& runner = self.needs.encoder.runner;
+  runner.fifo_priority = daemon.realtime.fifo_priority;
+  runner.first_core = daemon.realtime.first_core;
+  runner.deadline_ns = daemon.realtime.watchdog_ns();
   self.needs.publisher = publisher_for(self.needs.encoder, options.channel, options.slice_bytes);
+  self.needs.publisher.on_thread_start = dress_this_thread;
   self.needs.preloaded_frames = self.input.preloaded_frames;
   const auto plan = plan_memory(self.needs);
   if (!plan) return complain(plan.error());
   if (daemon.print_memory) {
-    for (const std::string& line : to_lines(*plan, self.needs)) fmt::print("{}\n", line);
+    for (const std::string& line : to_lines(*plan, self.needs, resident_bytes()))
+      fmt::print("{}\n", line);
     return ExitCode::kDone;
   }
+  const auto fits = check_memory_fits(plan->total(), daemon.realtime.memory_limit, memory_room(),
+                                      "send smaller frames, hold fewer (--preload), or see what "
+                                      "takes it: --print-memory");
+  if (!fits) return complain(fits.error());
   auto report = StatusReport::open(stderr, daemon.status_file);
   if (!report) return complain(report.error());
   say(self.input, *plan, options);
@@ -217,7 +271,8 @@ ExitCode run_daemon(const DaemonOptions& daemon, const CodecOptions& options) {
   self.watch(*report);
   const StreamCounts counts = self.counts(true);
   fmt::print(stderr, "planecastd: {}\n", signals.signal() != 0 ? "stopped by a signal" : "done");
-  for (const std::string& line : balance_lines(counts, self.encoder->runner()))
+  for (const std::string& line :
+       balance_lines(counts, self.encoder->runner(), self.watchdog ? &*self.watchdog : nullptr))
     fmt::print(stderr, "{}\n", line);
   return self.verdict(counts);
 }

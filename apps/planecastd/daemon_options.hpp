@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/common/realtime.hpp"
+
 namespace planecast {
 
 /// Inputs of up to this many frames are decoded into memory before the start.
@@ -18,9 +20,9 @@ struct DaemonOptions {
   std::uint64_t preload = kPreloadFrames;
   bool preload_given = false;
   bool wait = false;          ///< lossless replay: the source waits for room
-  bool lock_memory = false;   ///< mlock
   bool print_memory = false;  ///< print the memory plan and end
   std::string status_file;    ///< "": none
+  RealtimeOptions realtime;
 };
 
 }  // namespace planecast

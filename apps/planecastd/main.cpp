@@ -29,10 +29,10 @@ void add_daemon_options(CLI::App& app, planecast::DaemonOptions& daemon) {
   app.add_option("--status", daemon.status_file, "Append a line of key=value once a second to FILE")
       ->option_text("FILE")
       ->group(kGroup);
-  app.add_flag("--mlock", daemon.lock_memory, "Keep the memory for frames in RAM")->group(kGroup);
   app.add_flag("--print-memory", daemon.print_memory,
                "Print how many bytes are taken for frames, by whom, and end")
       ->group(kGroup);
+  planecast::add_realtime_options(app, daemon.realtime);
 }
 
 }  // namespace

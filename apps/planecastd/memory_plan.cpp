@@ -1,10 +1,10 @@
 #include "apps/planecastd/memory_plan.hpp"
 
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include <algorithm>
 
+#include "core/base/thread_stack.hpp"
 #include "core/wire/frame_pack.hpp"
 #include "core/wire/key_packet.hpp"
 #include "core/wire/raw_pack.hpp"
@@ -23,15 +23,6 @@ void lay_out(const MemoryNeeds& needs, const MemoryPlan& plan, Arena& arena, Dae
     const auto frame = arena.take<std::byte>(frame_bytes(needs.encoder.stream));
     if (memory != nullptr) memory->preloaded.push_back(frame);
   }
-}
-
-std::size_t default_stack_bytes() {
-  pthread_attr_t attributes;
-  std::size_t bytes = 0;
-  if (pthread_getattr_default_np(&attributes) != 0) return 0;
-  pthread_attr_getstacksize(&attributes, &bytes);
-  pthread_attr_destroy(&attributes);
-  return bytes;
 }
 
 std::vector<std::string> thread_names(RunMode mode) {
@@ -61,7 +52,7 @@ Result<MemoryPlan> plan_memory(const MemoryNeeds& needs) {
   (void)arena.take<std::byte>(plan.publisher);
   plan.arena = arena.bytes_needed();
   plan.threads = thread_names(needs.encoder.runner.mode);
-  plan.stack = default_stack_bytes();
+  plan.stack = stack_mapping_bytes();
   return plan;
 }
 
@@ -77,7 +68,8 @@ Result<DaemonMemory> take_memory(const MemoryNeeds& needs, const MemoryPlan& pla
   return memory;
 }
 
-std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& needs) {
+std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& needs,
+                                  std::size_t resident) {
   const CameraModel& camera = needs.encoder.stream.camera;
   const auto line = [](const char* name, std::size_t bytes, const std::string& note) {
     return fmt::format("{:<10} {:>12}  {}", name, bytes, note);
@@ -93,9 +85,11 @@ std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& nee
            fmt::format("{} input frames held decoded", needs.preloaded_frames)),
       line("arena", plan.arena, "the three above in one mapping, with padding"),
       line("stacks", plan.stacks(),
-           fmt::format("{} threads of {} bytes reserved: {}", plan.threads.size(), plan.stack,
-                       fmt::join(plan.threads, ", "))),
-      line("total", plan.total(), "bytes, arena and stacks"),
+           fmt::format("{} threads of {} bytes, a guard page in each: {}", plan.threads.size(),
+                       plan.stack, fmt::join(plan.threads, ", "))),
+      line("rest", resident,
+           "resident beside them now: program, libraries, heap; not in the total"),
+      line("total", plan.total(), "bytes mapped, arena and stacks"),
   };
 }
 

@@ -30,7 +30,7 @@ struct MemoryPlan {
   std::size_t preloaded = 0;
   std::size_t arena = 0;
   std::vector<std::string> threads;  ///< by name, those that touch frames
-  std::size_t stack = 0;  ///< of one thread: address space reserved, used as it is needed
+  std::size_t stack = 0;             ///< of one thread: a mapping of its own, all of it present
   std::size_t stacks() const { return threads.size() * stack; }
   std::size_t total() const { return arena + stacks(); }
 };
@@ -52,8 +52,10 @@ struct DaemonMemory {
 Result<DaemonMemory> take_memory(const MemoryNeeds& needs, const MemoryPlan& plan,
                                  ArenaOptions options);
 
-/// "name bytes note" lines for people and scripts; the last is "total".
-std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& needs);
+/// "name bytes note" lines for people and scripts; the last is "total". `resident`: what the
+/// process holds in RAM beside the plan.
+std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& needs,
+                                  std::size_t resident);
 
 /// A publisher that holds any frame of the stream, in messages of at most `message_bytes`.
 PublisherConfig publisher_for(const EncoderConfig& encoder, const std::string& channel,

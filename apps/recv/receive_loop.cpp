@@ -40,7 +40,7 @@ Result<std::unique_ptr<ReceiveLoop>> ReceiveLoop::create(const ReceiveConfig& co
 void ReceiveLoop::run() noexcept {
   while (!stopping_.load(std::memory_order_acquire)) {
     const FrameRef frame = subscriber_.wait(kWaitNs);
-    if (frame) take(*frame);
+    if (frame) work_on(*frame);
     if (config_.frames != 0 && frames_passed_ >= config_.frames) break;
   }
   if (sinks_ != nullptr) sinks_->close();
@@ -65,6 +65,15 @@ ReceiveLoop::Stream& ReceiveLoop::stream_of(std::uint16_t number) noexcept {
   free->used = true;
   free->number = number;
   return *free;
+}
+
+void ReceiveLoop::work_on(const AssembledFrame& frame) noexcept {
+  const std::int64_t begin_ns = monotonic_ns();
+  busy_since_ns_.store(begin_ns, std::memory_order_relaxed);
+  take(frame);
+  busy_since_ns_.store(0, std::memory_order_relaxed);
+  if (config_.deadline_ns > 0 && monotonic_ns() - begin_ns > config_.deadline_ns)
+    late_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void ReceiveLoop::take(const AssembledFrame& frame) noexcept {

@@ -20,8 +20,9 @@ namespace planecast {
 struct ReceiveConfig {
   std::uint16_t streams = 4;
   FrameLimits limits{1280, 1024};
-  std::uint64_t frames = 0;   ///< end after this many, lost ones included; 0: no end
-  std::uint32_t boot_id = 0;  ///< of this host (boot_id_hash)
+  std::uint64_t frames = 0;      ///< end after this many, lost ones included; 0: no end
+  std::uint32_t boot_id = 0;     ///< of this host (boot_id_hash)
+  std::int64_t deadline_ns = 0;  ///< a frame that takes longer counts as late; 0: none does
 };
 
 class ReceiveLoop {
@@ -50,6 +51,14 @@ class ReceiveLoop {
     return records_lost_.load(std::memory_order_relaxed);
   }
 
+  /// Frames that took longer than the deadline.
+  std::uint64_t late() const noexcept { return late_.load(std::memory_order_relaxed); }
+  /// Any thread: for how long the frame in hand has been worked on [ns]; 0 without one.
+  std::int64_t busy_ns(std::int64_t now_ns) const noexcept {
+    const std::int64_t since_ns = busy_since_ns_.load(std::memory_order_relaxed);
+    return since_ns == 0 ? 0 : now_ns - since_ns;
+  }
+
  private:
   struct Stream {
     bool used = false;
@@ -69,6 +78,7 @@ class ReceiveLoop {
       : config_(config), subscriber_(subscriber), reference_(reference), sinks_(sinks) {}
 
   Stream& stream_of(std::uint16_t number) noexcept;
+  void work_on(const AssembledFrame& frame) noexcept;
   void take(const AssembledFrame& frame) noexcept;
   void follow_session(Stream& stream, const AssembledFrame& frame) noexcept;
   void take_key(Stream& stream, const AssembledFrame& frame) noexcept;
@@ -86,6 +96,8 @@ class ReceiveLoop {
   std::uint64_t frames_passed_ = 0;
   RecordQueue records_;
   std::atomic<std::uint64_t> records_lost_{0};
+  std::atomic<std::uint64_t> late_{0};
+  std::atomic<std::int64_t> busy_since_ns_{0};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> finished_{false};
 };

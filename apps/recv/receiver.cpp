@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "apps/common/boot_id.hpp"
 #include "apps/common/live_line.hpp"
+#include "apps/common/memory_fit.hpp"
 #include "apps/common/reference_check.hpp"
 #include "apps/common/stop_signals.hpp"
 #include "apps/recv/frame_file.hpp"
@@ -18,6 +20,7 @@
 #include "apps/recv/sink_queue.hpp"
 #include "apps/recv/sink_writer.hpp"
 #include "apps/recv/status_file.hpp"
+#include "core/pipeline/worker_thread.hpp"
 #include "transport/lcm_url.hpp"
 #include "transport/subscriber.hpp"
 #include "transport/wake.hpp"
@@ -50,14 +53,21 @@ struct Receiver {
   std::unique_ptr<SinkQueue> queue;
   std::unique_ptr<SinkWriter> writer;
   std::unique_ptr<ReceiveLoop> loop;
-  std::thread receive_thread, sink_thread;
+  WorkerThread receive_thread;
+  std::thread sink_thread;
   ReceiveTotals totals;
   std::uint64_t refusals_told = 0;
   std::int64_t heard_ns = 0;
+  bool warned = false;
+  bool silent_told = false;
+  std::uint64_t silences = 0;
 
   Result<Done> prepare(const LcmUrl& url);
   Result<Done> load_reference();
-  void start();
+  Result<Done> start();
+  Result<Done> check_memory(std::size_t bytes) const;
+  void warn();
+  void look_at_loop();
   EndedBy watch(StopSignals& signals);
   void finish();
   Result<Done> write_results();
@@ -88,34 +98,75 @@ Result<Done> Receiver::prepare(const LcmUrl& url) {
   if (!opened) return opened.error();
   link = std::move(*opened);
   const SubscriberConfig config = subscriber_for(options, codec);
+  const FrameLimits limits{static_cast<std::uint16_t>(options.max_size.width),
+                           static_cast<std::uint16_t>(options.max_size.height)};
+  const ReceiveConfig receive{options.streams, limits, options.frames, boot_id_hash(),
+                              options.realtime.watchdog_ns()};
+  const std::size_t bytes =
+      Subscriber::memory_bytes(config) + ReceiveLoop::memory_bytes(receive) +
+      (options.has_sinks() ? SinkQueue::memory_bytes(kSinkSlots, limits.pixels()) : 0);
+  if (const auto fits = check_memory(bytes); !fits) return fits.error();
   auto subscribed = Subscriber::create(config, link);
   if (!subscribed) return subscribed.error();
   subscriber = std::move(*subscribed);
-  const FrameLimits limits{static_cast<std::uint16_t>(options.max_size.width),
-                           static_cast<std::uint16_t>(options.max_size.height)};
   if (options.has_sinks()) {
     auto made = SinkQueue::create(kSinkSlots, limits.pixels());
     if (!made.ok()) return made.error();
     queue = std::move(*made);
     writer = std::make_unique<SinkWriter>(options, *queue, link);
   }
-  const ReceiveConfig receive{options.streams, limits, options.frames, boot_id_hash()};
   auto made = ReceiveLoop::create(receive, *subscriber, reference.get(), queue.get());
   if (!made.ok()) return made.error();
   loop = std::move(*made);
-  const std::size_t bytes =
-      Subscriber::memory_bytes(config) + ReceiveLoop::memory_bytes(receive) +
-      (queue != nullptr ? SinkQueue::memory_bytes(kSinkSlots, limits.pixels()) : 0);
   fmt::print(stderr, "planecast-recv: listening to {} on {}; {} taken for {} streams up to {}x{}\n",
              codec.channel, to_string(url), human_bytes(static_cast<double>(bytes)),
              options.streams, options.max_size.width, options.max_size.height);
   return Done{};
 }
 
-void Receiver::start() {
+Result<Done> Receiver::check_memory(std::size_t bytes) const {
+  constexpr std::size_t kThreads = 2;  // subscriber and receive
+  return check_memory_fits(bytes + kThreads * stack_mapping_bytes(), options.realtime.memory_limit,
+                           memory_room(),
+                           "receive smaller frames (--max-size) or fewer streams (--streams)");
+}
+
+// What the machine refuses is said once; the receiver runs all the same.
+Result<Done> Receiver::start() {
+  if (options.realtime.lock_memory) {
+    const std::string refused = lock_all_memory();
+    if (!refused.empty()) fmt::print(stderr, "planecast-recv: {}\n", refused);
+  }
+  const auto receive = [](void* self) -> void* {
+    dress_this_thread("receive");
+    static_cast<Receiver*>(self)->loop->run();
+    return nullptr;
+  };
+  if (receive_thread.start(receive, this) != 0)
+    return {Status::kOutOfArena,
+            "the system refuses a thread; raise the limits of processes and of memory"};
   if (writer != nullptr) sink_thread = std::thread([this] { writer->run(); });
-  receive_thread = std::thread([this] { loop->run(); });
   status.write({"ready=1"});
+  return Done{};
+}
+
+// Once, when the threads have had the time to ask.
+void Receiver::warn() {
+  if (std::exchange(warned, true)) return;
+  for (const std::string& line : refusals(false, false))
+    fmt::print(stderr, "planecast-recv: {}\n", line);
+}
+
+void Receiver::look_at_loop() {
+  const std::int64_t limit_ns = options.realtime.watchdog_ns();
+  if (limit_ns <= 0) return;
+  const bool silent = loop->busy_ns(monotonic_ns()) > limit_ns;
+  if (silent && !silent_told) {
+    ++silences;
+    fmt::print(stderr, "planecast-recv: watchdog: decoding is silent for more than {:g} ms\n",
+               options.realtime.watchdog_ms);
+  }
+  silent_told = silent;
 }
 
 void Receiver::collect() {
@@ -158,7 +209,9 @@ EndedBy Receiver::watch(StopSignals& signals) {
   for (;;) {
     const bool last = loop->finished();
     const bool signalled = !last && signals.wait(kPollNs);
+    warn();
     collect();
+    look_at_loop();
     const std::int64_t now_ns = monotonic_ns();
     const double silent_s = static_cast<double>(now_ns - heard_ns) * kSecond;
     const bool silent = options.timeout_s && silent_s > *options.timeout_s;
@@ -188,6 +241,9 @@ void Receiver::finish() {
     fmt::print(out, "{}\n", line);
   if (loop->records_lost() > 0)
     fmt::print(stderr, "planecast-recv: {} frames are not in these sums\n", loop->records_lost());
+  if (options.realtime.watchdog_ns() > 0)
+    fmt::print(out, "  watchdog, {:g} ms: late {}; silent {}\n", options.realtime.watchdog_ms,
+               loop->late(), silences);
   if (writer == nullptr) return;
   for (const std::string& complaint : writer->take_complaints())
     fmt::print(stderr, "planecast-recv: {}\n", complaint);
@@ -251,12 +307,13 @@ ExitCode run_receiver(const RecvOptions& options, const CodecOptions& codec) {
   if (const auto channel = check_channel(codec.channel); !channel) return complain(channel.error());
   auto status = StatusFile::open(options.status_file);
   if (!status.ok()) return complain(status.error());
+  set_thread_wishes(options.realtime);
   Receiver self(options, codec, std::move(*status));
   if (const auto loaded = self.load_reference(); !loaded) return complain(loaded.error());
   StopSignals signals;  // from here on; a signal while loading just ends the process
   if (const auto ready = self.prepare(*url); !ready) return complain(ready.error());
   if (signals.asked()) return ExitCode::kDone;
-  self.start();
+  if (const auto started = self.start(); !started) return complain(started.error());
   const EndedBy ended = self.watch(signals);
   self.finish();
   return self.verdict(ended, self.write_results());

@@ -128,6 +128,7 @@ void add_recv_options(CLI::App& app, RecvOptions& options) {
   add_sinks(app, options);
   add_reports(app, options);
   add_run(app, options);
+  add_realtime_options(app, options.realtime);
 }
 
 Result<Done> check_recv_options(const RecvOptions& options) {
@@ -173,6 +174,7 @@ SubscriberConfig subscriber_for(const RecvOptions& options, const CodecOptions& 
                                                              : kLiveDeadlineMs;
   assembly.deadline_ns = std::int64_t{deadline_ms} * 1'000'000;
   if (every) config.lcm_queue = kPatientQueue;
+  config.on_thread_start = dress_this_thread;
   return config;
 }
 

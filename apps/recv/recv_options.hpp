@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/common/options.hpp"
+#include "apps/common/realtime.hpp"
 #include "core/base/status.hpp"
 #include "transport/subscriber.hpp"
 
@@ -34,6 +35,7 @@ struct RecvOptions {
   ImageSize max_size{1280, 1024};
   std::uint32_t deadline_ms = 0;  ///< from a frame's first slice until it is handed on incomplete;
                                   ///< 0: 1000 where every frame counts, else 100
+  RealtimeOptions realtime;
 
   /// Whether any sink takes frames out of the decoder.
   bool has_sinks() const {

@@ -1,6 +1,5 @@
 #include "core/pipeline/stage_runner.hpp"
 
-#include <pthread.h>
 #include <time.h>
 
 #include <array>
@@ -24,7 +23,8 @@ bool valid(const RunnerConfig& config, std::size_t stage_count) noexcept {
   return config.slots >= 1 && config.slots <= SlotPool::kMaxSlots && stage_count >= 1 &&
          stage_count <= StageRunner::kMaxStages && config.spin_ns >= -1 &&
          config.spin_ns <= kMaxSpinNs && config.fifo_priority >= 0 &&
-         config.fifo_priority <= kMaxFifoPriority && config.first_core >= -1;
+         config.fifo_priority <= kMaxFifoPriority && config.first_core >= -1 &&
+         config.deadline_ns >= 0;
 }
 
 // Only stop() waits this way, for a submit() that is under way; it is not a pipeline thread.
@@ -39,7 +39,7 @@ struct StageRunner::Core {
   struct Worker {
     Core* core = nullptr;
     std::uint32_t index = 0;
-    pthread_t thread{};
+    WorkerThread thread;
   };
 
   Status lay_out(Arena& arena, const RunnerConfig& config, std::size_t stage_count) noexcept;
@@ -107,7 +107,7 @@ void StageRunner::Core::run_stage(std::uint32_t index, std::uint32_t handle,
   const StageRef& stage = stages[index];
   const std::int64_t begin_ns = own.begin(waiting);
   status = stage.process(stage.stage, stage.slots, handle);
-  own.end(begin_ns);
+  own.end(begin_ns, config.deadline_ns);
   add_one(status == Status::kOk ? own.ok : own.failed);
 }
 
@@ -154,7 +154,7 @@ void StageRunner::Core::end_workers() noexcept {
   // Each worker closes the ring behind it once its own is closed and empty, so closing the first
   // one ends all of them in order. The done ring is closed again for inline mode and half a start.
   rings[0].close();
-  for (std::uint32_t i = 0; i < threads_alive; ++i) pthread_join(workers[i].thread, nullptr);
+  for (std::uint32_t i = 0; i < threads_alive; ++i) workers[i].thread.join();
   threads_alive = 0;
   done().close();
 }
@@ -171,6 +171,11 @@ std::size_t StageRunner::memory_bytes(const RunnerConfig& config,
   Core scratch;
   (void)arena.take<Core>(1);
   return scratch.lay_out(arena, config, stage_count) == Status::kOk ? arena.bytes_needed() : 0;
+}
+
+std::size_t StageRunner::stack_bytes(const RunnerConfig& config, std::size_t stage_count) noexcept {
+  const bool threads = config.mode == RunMode::kThreads && valid(config, stage_count);
+  return threads ? stage_count * stack_mapping_bytes() : 0;
 }
 
 StageRunner::~StageRunner() {
@@ -216,14 +221,14 @@ Result<Done> StageRunner::start() {
     return nullptr;
   };
   for (std::uint32_t i = 0; i < wanted; ++i) {
-    const int error = create_worker(core.workers[i].thread, entry, &core.workers[i]);
+    const int error = core.workers[i].thread.start(entry, &core.workers[i]);
     if (error != 0) {
       core.end_workers();
       core.pool.close();
-      return {Status::kStopped, "pipeline: the system refuses a thread for stage " +
-                                    std::to_string(i + 1) + " of " + std::to_string(wanted) + " (" +
-                                    std::strerror(error) +
-                                    "); raise the limit of processes or run inline"};
+      return {Status::kStopped,
+              "pipeline: the system refuses a thread for stage " + std::to_string(i + 1) + " of " +
+                  std::to_string(wanted) + " (" + std::strerror(error) +
+                  "); raise the limits of processes and of memory, or run inline"};
     }
     ++core.threads_alive;
   }

@@ -32,6 +32,7 @@ struct RunnerConfig {
       -1;  ///< polling before sleep [ns], 0..1e9; -1: 20 us if each thread has a core, else 0
   int fifo_priority = 0;  ///< SCHED_FIFO priority 1..99; 0: the ordinary scheduler
   int first_core = -1;    ///< stage i runs on the (first_core + i)-th core allowed; -1: anywhere
+  std::int64_t deadline_ns = 0;  ///< a frame longer in one stage counts as late; 0: none does
   void (*on_thread_start)(const char* name) =
       nullptr;  ///< called in each worker before its first frame
   void (*on_thread_stop)(const char* name) =
@@ -63,6 +64,10 @@ class StageRunner {
 
   /// Bytes that init() takes from an empty arena, exactly; 0 for a bad configuration.
   static std::size_t memory_bytes(const RunnerConfig& config, std::size_t stage_count) noexcept;
+
+  /// Bytes that start() maps for the stages' stacks beside the arena, exactly; stop() gives them
+  /// back.
+  static std::size_t stack_bytes(const RunnerConfig& config, std::size_t stage_count) noexcept;
 
   /// Lays the runner out for 1..kMaxStages stages, once. Over a measuring arena it only counts and
   /// the runner stays unusable. Returns kBadConfig, kOutOfArena, or kOk.

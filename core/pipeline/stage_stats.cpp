@@ -70,8 +70,9 @@ std::int64_t StageStats::begin(std::uint32_t waiting) noexcept {
   return now;
 }
 
-void StageStats::end(std::int64_t begin_ns) noexcept {
+void StageStats::end(std::int64_t begin_ns, std::int64_t deadline_ns) noexcept {
   const std::int64_t now = steady_now_ns();
+  if (deadline_ns > 0 && now - begin_ns > deadline_ns) add_one(late);
   latency.record(static_cast<std::uint64_t>(std::max<std::int64_t>(0, now - begin_ns)));
   heartbeat_ns.store(now, std::memory_order_relaxed);
   busy.store(0, std::memory_order_relaxed);
@@ -96,6 +97,7 @@ StageReport StageStats::report(const char* name) const noexcept {
           ok.load(kRelaxed),
           failed.load(kRelaxed),
           skipped.load(kRelaxed),
+          late.load(kRelaxed),
           waiting_max.load(kRelaxed),
           heartbeat_ns.load(kRelaxed),
           busy.load(kRelaxed) != 0,

@@ -65,6 +65,7 @@ struct StageReport {
   std::uint64_t ok = 0;           ///< frames that left the stage well
   std::uint64_t failed = 0;       ///< frames that failed in this stage
   std::uint64_t skipped = 0;      ///< frames that had failed before and flowed on untouched
+  std::uint64_t late = 0;         ///< frames that took longer than the stage's deadline
   std::uint32_t waiting_max = 0;  ///< most frames ever found waiting for the stage
   std::int64_t heartbeat_ns = 0;  ///< steady clock at the last start or end of work; 0 = never
   bool busy = false;              ///< inside process() at this moment
@@ -81,13 +82,15 @@ struct alignas(kCacheLineBytes) StageStats {
   std::atomic<std::uint64_t> ok{0};
   std::atomic<std::uint64_t> failed{0};
   std::atomic<std::uint64_t> skipped{0};
+  std::atomic<std::uint64_t> late{0};
   LatencyHistogram latency;
 
   /// Marks the start of work; returns the time to give to end().
   std::int64_t begin(std::uint32_t waiting) noexcept;
 
-  /// Marks the end of work that began at `begin_ns`.
-  void end(std::int64_t begin_ns) noexcept;
+  /// Marks the end of work that began at `begin_ns`; late when it took over `deadline_ns` (0:
+  /// none).
+  void end(std::int64_t begin_ns, std::int64_t deadline_ns = 0) noexcept;
 
   /// Counts a frame that flows past.
   void skip() noexcept;

@@ -4,21 +4,13 @@
 #include <signal.h>
 
 #include <array>
-#include <cstddef>
+#include <cerrno>
 #include <cstring>
 
 namespace planecast {
 namespace {
 
-constexpr std::size_t kPageBytes = 4096;
-constexpr std::size_t kTouchedStackBytes = 256U << 10U;
 constexpr std::uint32_t kSpinNs = 20'000;
-
-// noinline: the array must lie on a frame of its own, below everything the thread does later.
-[[gnu::noinline]] void touch_stack() noexcept {
-  std::array<volatile char, kTouchedStackBytes> block;
-  for (std::size_t i = 0; i < block.size(); i += kPageBytes) block[i] = 0;
-}
 
 void set_name(const char* name) noexcept {
   std::array<char, 16> cut{};  // the kernel's limit, NUL included
@@ -48,7 +40,12 @@ bool set_core(int index) noexcept {
 
 }  // namespace
 
-int create_worker(pthread_t& thread, void* (*entry)(void*), void* argument) noexcept {
+int WorkerThread::start(void* (*entry)(void*), void* argument) noexcept {
+  stack = map_stack();
+  if (stack.mapping == nullptr) return errno;
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstack(&attributes, stack.usable().data(), stack.usable().size());
   sigset_t blocked;
   sigset_t before;
   sigfillset(&blocked);
@@ -56,17 +53,26 @@ int create_worker(pthread_t& thread, void* (*entry)(void*), void* argument) noex
   for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS})
     sigdelset(&blocked, fault);
   pthread_sigmask(SIG_SETMASK, &blocked, &before);
-  const int error = pthread_create(&thread, nullptr, entry, argument);
+  const int error = pthread_create(&thread, &attributes, entry, argument);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  pthread_attr_destroy(&attributes);
+  running = error == 0;
+  if (!running) unmap_stack(stack);
   return error;
+}
+
+void WorkerThread::join() noexcept {
+  if (!running) return;
+  pthread_join(thread, nullptr);
+  running = false;
+  unmap_stack(stack);
 }
 
 ThreadRefusals prepare_worker(const ThreadWishes& wishes) noexcept {
   ThreadRefusals refused;
-  set_name(wishes.name);
   if (wishes.fifo_priority > 0) refused.fifo = !set_fifo(wishes.fifo_priority);
   if (wishes.core >= 0) refused.affinity = !set_core(wishes.core);
-  touch_stack();
+  set_name(wishes.name);
   return refused;
 }
 

@@ -1,10 +1,13 @@
-// A thread as the pipeline wants it: named, signals left to the main thread, stack present, and
-// real-time scheduling or a core of its own where the machine allows. The only use of pthread here.
+// A thread as the pipeline wants it: named, signals left to the main thread, on a stack of its own
+// that is present from the start, and with real-time scheduling or a core of its own where the
+// machine allows.
 #pragma once
 
 #include <pthread.h>
 
 #include <cstdint>
+
+#include "core/base/thread_stack.hpp"
 
 namespace planecast {
 
@@ -21,12 +24,23 @@ struct ThreadRefusals {
   bool affinity = false;
 };
 
-/// Creates a joinable thread with all asynchronous signals blocked, so that SIGTERM and friends
-/// reach the threads that expect them. Returns 0 or the errno of pthread_create.
-int create_worker(pthread_t& thread, void* (*entry)(void*), void* argument) noexcept;
+/// One thread on a stack of stack_mapping_bytes(). Trivial, so that it may lie in an arena: whoever
+/// starts it joins it. Used by one thread at a time.
+struct WorkerThread {
+  pthread_t thread{};
+  ThreadStack stack;
+  bool running = false;
 
-/// Dresses the calling thread; what is refused is told, never fatal. Also touches 256 kB of stack,
-/// so that the first frame meets no page fault.
+  /// Runs entry(argument) with all asynchronous signals blocked, so that SIGTERM and friends reach
+  /// the threads that expect them. Returns 0, or the errno of mmap or pthread_create.
+  int start(void* (*entry)(void*), void* argument) noexcept;
+
+  /// Waits for its end and gives the stack back; nothing happens when it was not started.
+  void join() noexcept;
+};
+
+/// Dresses the calling thread; what is refused is told, never fatal. The name comes last: whoever
+/// sees it sees a thread that is ready.
 ThreadRefusals prepare_worker(const ThreadWishes& wishes) noexcept;
 
 /// Polling time that suits `threads` busy threads: 20 us when there is a core for each and one

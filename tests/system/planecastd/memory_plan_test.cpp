@@ -69,7 +69,7 @@ TEST(MemoryPlan, LinesAddUpToTheTotal) {
   const MemoryNeeds needs = needs_of(FrameKind::kDepth, 320, 240, 7);
   const MemoryPlan plan = plan_memory(needs).value();
   std::size_t arena = 0, stacks = 0, total = 0;
-  for (const std::string& line : to_lines(plan, needs)) {
+  for (const std::string& line : to_lines(plan, needs, 12345)) {
     const std::size_t at = line.find_first_of("0123456789");
     std::size_t bytes = 0;
     std::from_chars(line.data() + at, line.data() + line.size(), bytes);
