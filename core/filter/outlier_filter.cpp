@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/model/lanes.hpp"
+#include "core/base/lanes.hpp"
 
 namespace planecast {
 namespace {

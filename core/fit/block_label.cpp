@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/model/lanes.hpp"
+#include "core/base/lanes.hpp"
 #include "core/predict/block_surface.hpp"
 
 namespace planecast {

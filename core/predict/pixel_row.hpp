@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/model/lanes.hpp"
+#include "core/base/lanes.hpp"
 
 namespace planecast {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/model/lanes.hpp"
+#include "core/base/lanes.hpp"
 #include "core/model/surface.hpp"
 
 namespace planecast {

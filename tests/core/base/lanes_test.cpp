@@ -1,5 +1,5 @@
 // Four lanes at once against one by one.
-#include "core/model/lanes.hpp"
+#include "core/base/lanes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,276 @@
+// The paper's chain on point files, step by step: time a point, points that are left, bits, errors.
+// usage: paper_chain [options] FILE...     (--help lists the options)
+#include <CLI/CLI.hpp>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "core/base/arena.hpp"
+#include "core/filter/statistical_outliers.hpp"
+#include "core/fit/point_planes.hpp"
+#include "core/hull/occupancy_hull.hpp"
+#include "core/io/point_file.hpp"
+#include "core/metrics/distance.hpp"
+#include "core/regen/patch_fill.hpp"
+#include "core/search/point_neighbours.hpp"
+#include "core/segment/point_normals.hpp"
+#include "core/segment/point_region_growing.hpp"
+#include "core/wire/patch_pack.hpp"
+#include "core/wire/patch_unpack.hpp"
+
+namespace planecast {
+namespace {
+
+struct Settings {
+  std::vector<std::string> files;
+  double units = 1, alpha = 0.02, deviations = 1.0;
+  std::uint32_t k = 30;
+  std::size_t slice_bytes = 1200;
+  std::string picture;
+  PointStream stream;
+  PointRegionOptions regions;
+  PointPlaneOptions planes;
+  HullOptions hull;
+  PatchPackOptions pack;
+};
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Prints what a step took since the last.
+class StepClock {
+ public:
+  explicit StepClock(std::size_t points) : points_(static_cast<double>(points)) {}
+  void step(const char* name) {
+    const double now = cpu_seconds();
+    std::printf("  %-10s %7.3f us/point\n", name, (now - last_) / points_ * 1e6);
+    total_ += now - last_;
+    last_ = cpu_seconds();
+  }
+  double total_us() const { return total_ / points_ * 1e6; }
+
+ private:
+  double points_;
+  double last_ = cpu_seconds();
+  double total_ = 0;
+};
+
+struct Chain {
+  PointNeighbours search;
+  PointRegionGrowing growing;
+  PointPlaneFitter fitter;
+  PatchPacker packer;
+  std::span<std::uint8_t> removed;
+  PointNormals normals;
+  std::span<std::uint32_t> regions, members;
+  std::span<PointPlane> planes;
+  std::span<DraftCell> cells;
+  std::span<PatchDraft> drafts;
+  std::span<std::uint8_t> packed;
+  std::span<SlicePlace> places;
+
+  void layout(Arena& arena, std::uint32_t n, std::uint32_t k, std::uint32_t most_planes) {
+    search.layout(arena, n, k);
+    growing.layout(arena, n);
+    fitter.layout(arena, n);
+    packer.layout(arena);
+    removed = arena.take<std::uint8_t>(n);
+    normals = {arena.take<float>(n), arena.take<float>(n), arena.take<float>(n),
+               arena.take<float>(n)};
+    regions = arena.take<std::uint32_t>(n);
+    members = arena.take<std::uint32_t>(n);
+    planes = arena.take<PointPlane>(most_planes);
+    cells = arena.take<DraftCell>(hull_cells(n, most_planes));
+    drafts = arena.take<PatchDraft>(most_planes);
+    packed = arena.take<std::uint8_t>(std::size_t{n} * 8 + 65536);
+    places = arena.take<SlicePlace>(65535);
+  }
+};
+
+bool failed(const char* what, Status status) {
+  if (status == Status::kOk) return false;
+  std::fprintf(stderr, "paper_chain: %s: %s\n", what, std::string(to_string(status)).c_str());
+  return true;
+}
+
+std::vector<Point3f> finite_points(const PointCloud& cloud, double units) {
+  std::vector<Point3f> points;
+  const auto scale = static_cast<float>(units);
+  for (const Point3f& p : cloud.points) {
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z))
+      points.push_back({p.x * scale, p.y * scale, p.z * scale});
+  }
+  return points;
+}
+
+/// The paper's boundary in float32: two coordinates a corner of each outline, 20 bytes a plane.
+std::size_t outline_bits(std::span<const PatchDraft> drafts, std::span<const DraftCell> cells) {
+  std::size_t corners = 0;
+  for (const PatchDraft& d : drafts) {
+    const auto inside = [&](std::int64_t i, std::int64_t j) {
+      return i >= 0 && j >= 0 && i < d.wide && j < d.high &&
+             cells[d.first_cell + static_cast<std::size_t>(j * d.wide + i)].inside();
+    };
+    for (std::int64_t j = 0; j <= d.high; ++j) {
+      for (std::int64_t i = 0; i <= d.wide; ++i) {
+        const int n = inside(i - 1, j - 1) + inside(i, j - 1) + inside(i - 1, j) + inside(i, j);
+        const bool diagonal = n == 2 && inside(i - 1, j - 1) == inside(i, j);
+        corners += n == 1 || n == 3 ? 1 : (diagonal ? 2 : 0);
+      }
+    }
+  }
+  return corners * 64 + drafts.size() * 160;
+}
+
+void report_errors(const char* name, const std::vector<Point3f>& a, const std::vector<Point3f>& b) {
+  DistanceOptions options;
+  options.point_to_plane = false;
+  const CloudDistance d = cloud_distance(a, b, options);
+  std::printf("  %-9s -> regenerated: rmse %8.2f mm, max %9.2f; back: %8.2f mm, max %9.2f\n", name,
+              d.d1_ab * 1e3, d.hausdorff_ab * 1e3, d.d1_ba * 1e3, d.hausdorff_ba * 1e3);
+}
+
+int run_file(const std::string& file, const Settings& s) {
+  const auto read = read_point_file(file);
+  if (!read.ok()) {
+    std::fprintf(stderr, "paper_chain: %s\n", read.error().message.c_str());
+    return 3;
+  }
+  const std::vector<Point3f> points = finite_points(read.value(), s.units);
+  const auto n = static_cast<std::uint32_t>(points.size());
+  const std::uint32_t most_planes = n / s.planes.min_points + 1;
+  Chain c;
+  Arena measure = Arena::measuring();
+  c.layout(measure, n, s.k, most_planes);
+  auto mapped = Arena::map(measure.bytes_needed());
+  if (!mapped.ok()) return 1;
+  c.layout(mapped.value(), n, s.k, most_planes);
+  std::printf("%s: %u points, %.0f bytes of memory a point\n", file.c_str(), n,
+              static_cast<double>(measure.bytes_needed()) / n);
+
+  const double unit_m = patch_unit_m(s.stream);
+  StepClock clock(n);
+  if (failed("search", c.search.search(points, s.k, 1e6F))) return 1;
+  clock.step("neighbours");
+  const std::uint32_t m = c.search.size();
+  StatisticalCut cut;
+  if (failed("outliers", flag_statistical_outliers(c.search.mean_distance(), s.deviations,
+                                                   c.removed.first(m), cut)))
+    return 1;
+  clock.step("outliers");
+  const PointNormals normals{c.normals.x.first(m), c.normals.y.first(m), c.normals.z.first(m),
+                             c.normals.curvature.first(m)};
+  if (failed("normals", estimate_normals(c.search, c.removed.first(m), normals))) return 1;
+  clock.step("normals");
+  PointRegionReport regions;
+  if (failed("regions", c.growing.grow(c.search, normals, s.regions, c.regions.first(m), regions)))
+    return 1;
+  clock.step("regions");
+  const PointColumns columns{c.search.x(), c.search.y(), c.search.z()};
+  std::uint32_t planes = 0, kept = 0;
+  if (failed("planes", c.fitter.fit(columns, c.regions.first(m), regions.regions, s.planes,
+                                    c.planes, planes, c.members, kept)))
+    return 1;
+  clock.step("planes");
+  std::size_t used = 0;
+  for (std::uint32_t p = 0; p < planes; ++p) {
+    const PointPlane& plane = c.planes[p];
+    if (failed("hull", make_hull(plane, c.members.subspan(plane.first, plane.count), columns,
+                                 unit_m, s.hull, c.cells, used, c.drafts[p])))
+      return 1;
+  }
+  clock.step("hull");
+  FrameReport report;
+  if (failed("pack", c.packer.pack(c.drafts.first(planes), c.cells.first(used), s.pack,
+                                   s.slice_bytes, c.packed, c.places, report)))
+    return 1;
+  clock.step("pack");
+
+  std::vector<Point3f> out(report.points);
+  Arena decoder_memory = std::move(Arena::map(std::size_t{1} << 20U).value());
+  PatchUnpacker unpacker;
+  PatchFiller filler;
+  unpacker.layout(decoder_memory);
+  filler.layout(decoder_memory);
+  std::size_t next = 0;
+  for (std::uint32_t i = 0; i < report.slices; ++i) {
+    const SlicePlace place = c.places[i];
+    if (failed("unpack", unpacker.begin(c.packed.subspan(place.offset + kPacketHeaderBytes,
+                                                         place.bytes - kPacketHeaderBytes))))
+      return 1;
+    Pcg32 generator = patch_generator(s.stream, 0, i);
+    while (unpacker.left() > 0) {
+      Patch patch;
+      std::span<const std::uint8_t> inside;
+      if (failed("unpack", unpacker.next(patch, inside))) return 1;
+      if (failed("fill", filler.fill(patch, inside, s.stream, generator,
+                                     std::span(out).subspan(next, patch.points))))
+        return 1;
+      next += patch.points;
+    }
+  }
+  clock.step("decode");
+
+  std::vector<Point3f> kept_points;
+  for (const std::uint32_t place : c.members.first(kept))
+    kept_points.push_back(points[c.search.source()[place]]);
+  std::printf(
+      "  chain %.3f us/point; outliers %.1f %%, clusters %u, regions %u, planes %u (%.2f a "
+      "region), intra %.2f mm, inter %.2f mm\n",
+      clock.total_us(), 100.0 * cut.outliers / n, regions.clusters, regions.regions, planes,
+      regions.regions > 0 ? static_cast<double>(planes) / regions.regions : 0.0,
+      regions.intra_distance * 1e3, regions.inter_distance * 1e3);
+  std::printf("  kept %u of %u points (%.1f %%), %zu out; %u patches, %u slices, %zu bytes\n", kept,
+              n, 100.0 * kept / n, next, report.surfaces, report.slices, report.bytes);
+  std::printf("  bits/point: packed %.3f (of those kept %.3f); outlines as float32 %.3f\n",
+              8.0 * static_cast<double>(report.bytes) / n,
+              8.0 * static_cast<double>(report.bytes) / kept,
+              static_cast<double>(outline_bits(c.drafts.first(planes), c.cells)) / n);
+  if (kept == 0) return 0;
+  report_errors("kept", kept_points, out);
+  report_errors("original", points, out);
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"The paper's chain on point files, step by step."};
+  Settings s;
+  bool absolute = false, random = false;
+  app.add_option("files", s.files, "point files")->required();
+  app.add_option("--units", s.units, "metres in a unit of the files");
+  app.add_option("--alpha", s.alpha, "pitch of the boundary [m]");
+  app.add_option("--k", s.k, "neighbours");
+  app.add_option("--deviations", s.deviations, "of the outlier filter");
+  app.add_option("--smoothness", s.regions.smoothness_deg, "[degrees]");
+  app.add_option("--curvature", s.regions.curvature_limit, "limit of the curvature test");
+  app.add_flag("--absolute", absolute, "PCL's curvature test");
+  app.add_option("--min-points", s.planes.min_points, "of a region and of a plane");
+  app.add_option("--distance", s.planes.distance_m, "of a plane's points [m]");
+  app.add_option("--points-per-cell", s.hull.points_per_cell, "");
+  app.add_option("--closing", s.hull.closing_rounds, "rounds");
+  app.add_option("--height-log2", s.pack.height_log2, "");
+  app.add_option("--slice-bytes", s.slice_bytes, "");
+  app.add_flag("--random", random, "random points, as the paper");
+  CLI11_PARSE(app, argc, argv);
+  if (absolute) s.regions.test = CurvatureTest::kAbsolute;
+  s.regions.min_points = s.planes.min_points;
+  s.stream.fill = random ? FillMode::kRandom : FillMode::kLattice;
+  s.stream.patch_unit_nm = patch_unit_nm(s.alpha);
+  int worst = 0;
+  for (const std::string& file : s.files) worst = std::max(worst, run_file(file, s));
+  return worst;
+}
+
+}  // namespace
+}  // namespace planecast
+
+int main(int argc, char** argv) {
+  return planecast::run(argc, argv);
+}
