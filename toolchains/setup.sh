@@ -33,13 +33,15 @@ packages=(
   # tests
   libgtest-dev librapidcheck-dev
   libbenchmark-dev    # bench/
+  relacy-dev          # tests/core/ring/model: the rings in every order the memory model permits
+  spin                # tests/core/pipeline/model: the whole pipeline, all its states
   python3-minimal     # tests/house
   iproute2 util-linux # private network namespaces for LCM tests and apps/demo.sh (ip, unshare)
   googletest          # its sources, to build the tests for other machines
   # tests/cross: the golden vectors on a board's processor and on a big-endian one (150 MB to fetch)
   g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static
 )
-bench_packages=(libdraco-dev libbz2-dev libzstd-dev libcharls-dev libopenjp2-7-dev liblzma-dev libpng-dev)
+bench_packages=(libboost-dev libreaderwriterqueue-dev libdraco-dev libbz2-dev libzstd-dev libcharls-dev libopenjp2-7-dev liblzma-dev libpng-dev)
 fuzz_packages=(clang libclang-rt-14-dev)
 cross_packages=(g++-arm-linux-gnueabihf g++-riscv64-linux-gnu)
 

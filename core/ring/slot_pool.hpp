@@ -2,7 +2,7 @@
 // claim() is the one place where a frame can be lost inside a process, so it keeps the counts.
 #pragma once
 
-#include <atomic>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,25 +15,44 @@ namespace planecast {
 
 /// Handles 0..slots-1. The source's thread calls claim(), claim_wait() and unclaim(); the last
 /// thread of the chain calls release(). Nothing here allocates; claim() and release() never block.
-class SlotPool {
+template <class Memory>
+class BasicSlotPool {
+  template <class T>
+  using Atomic = typename Memory::template Atomic<T>;
+  template <class T>
+  using Plain = typename Memory::template Plain<T>;
+  using Ring = BasicSpscRing<Memory>;
+
  public:
+  using Cell = Plain<std::uint32_t>;
+  using Flag = Atomic<std::uint32_t>;
   static constexpr std::uint32_t kMaxSlots = 4096;
 
-  SlotPool() noexcept = default;
-  SlotPool(const SlotPool&) = delete;
-  SlotPool& operator=(const SlotPool&) = delete;
+  BasicSlotPool() noexcept = default;
+  BasicSlotPool(const BasicSlotPool&) = delete;
+  BasicSlotPool& operator=(const BasicSlotPool&) = delete;
 
   /// Takes the bookkeeping for `slots` (1..kMaxSlots) from the arena; all handles start free.
   /// Returns kBadConfig or kOutOfArena.
   Status init(Arena& arena, std::uint32_t slots) noexcept {
     if (slots == 0 || slots > kMaxSlots) return Status::kBadConfig;
-    free_ = arena.take<std::uint32_t>(slots);
-    claimed_ = arena.take<std::atomic<std::uint8_t>>(slots);
-    if (const Status status = returned_.init(arena, slots); status != Status::kOk) return status;
-    free_count_ = static_cast<std::uint32_t>(free_.size());
+    const std::span<Cell> free = arena.take<Cell>(slots);
+    const std::span<Flag> claimed = arena.take<Flag>(slots);
+    const std::span<Cell> returned = arena.take<Cell>(std::bit_ceil(slots));
+    adopt(free, claimed, returned);
+    return arena.failed() ? Status::kOutOfArena : Status::kOk;
+  }
+
+  /// The same over memory of the caller's: `free` and `claimed` (zero) one a slot, `returned` a
+  /// power of two of at least as many. All empty while an arena measures.
+  void adopt(std::span<Cell> free, std::span<Flag> claimed, std::span<Cell> returned) noexcept {
+    free_ = free;
+    claimed_ = claimed;
+    returned_.adopt(returned);
+    const auto count = static_cast<std::uint32_t>(free_.size());
     // The last handle lies on top, so slot 0 is claimed first.
-    for (std::uint32_t i = 0; i < free_count_; ++i) free_[i] = free_count_ - 1 - i;
-    return Status::kOk;
+    for (std::uint32_t i = 0; i < count; ++i) free_[i] = count - 1 - i;
+    free_count_ = count;
   }
 
   /// Source: a free handle for a new frame, or none when all are in use: that frame is dropped, and
@@ -59,7 +78,8 @@ class SlotPool {
   /// Source: gives a claimed handle back unused; its frame counts as dropped.
   void unclaim(std::uint32_t handle) noexcept {
     if (!unmark(handle)) return;
-    free_[free_count_++] = handle;
+    free_[free_count_] = handle;
+    free_count_ = free_count_ + 1;
     add(dropped_);
   }
 
@@ -77,38 +97,41 @@ class SlotPool {
   std::uint32_t slots() const noexcept { return static_cast<std::uint32_t>(free_.size()); }
 
   /// Frames the source has asked a slot for, and those that went without or were given back unused.
-  std::uint64_t offered() const noexcept { return offered_.load(std::memory_order_acquire); }
-  std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_acquire); }
+  std::uint64_t offered() const noexcept { return offered_.load(Memory::kCountSeen); }
+  std::uint64_t dropped() const noexcept { return dropped_.load(Memory::kCountSeen); }
 
  private:
   bool take_free(std::uint32_t& handle) noexcept {
     if (free_count_ == 0) return false;
-    handle = free_[--free_count_];
+    free_count_ = free_count_ - 1;
+    handle = free_[free_count_];
     return true;
   }
 
   std::uint32_t mark(std::uint32_t handle) noexcept {
-    claimed_[handle].store(1, std::memory_order_relaxed);
+    claimed_[handle].store(1, Memory::kClaimMark);
     return handle;
   }
 
   // The rings order this flag's changes; it only has to make a second release harmless.
   bool unmark(std::uint32_t handle) noexcept {
-    return handle < claimed_.size() && claimed_[handle].exchange(0, std::memory_order_relaxed) != 0;
+    return handle < claimed_.size() && claimed_[handle].exchange(0, Memory::kClaimMark) != 0;
   }
 
   // One writer (the source's thread), any reader: no read-modify-write needed. Release, so that who
   // sees a drop also sees it offered.
-  static void add(std::atomic<std::uint64_t>& counter) noexcept {
-    counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  static void add(Atomic<std::uint64_t>& counter) noexcept {
+    counter.store(counter.load(Memory::kCountOwn) + 1, Memory::kCountPublish);
   }
 
-  std::span<std::uint32_t> free_;  ///< stack of handles that the source holds itself
-  std::uint32_t free_count_ = 0;
-  std::span<std::atomic<std::uint8_t>> claimed_;
-  std::atomic<std::uint64_t> offered_{0};
-  std::atomic<std::uint64_t> dropped_{0};
-  SpscRing returned_;
+  std::span<Cell> free_;  ///< stack of handles that the source holds itself
+  Plain<std::uint32_t> free_count_{0};
+  std::span<Flag> claimed_;
+  Atomic<std::uint64_t> offered_{0};
+  Atomic<std::uint64_t> dropped_{0};
+  Ring returned_;
 };
+
+using SlotPool = BasicSlotPool<MachineMemory>;
 
 }  // namespace planecast

@@ -13,18 +13,30 @@ namespace {
 
 constexpr std::uint32_t kNearWrap = std::numeric_limits<std::uint32_t>::max() - 2;
 
-class Ring {
+template <class Memory>
+class RingOver {
  public:
-  explicit Ring(std::uint32_t capacity, std::uint32_t first_index = 0)
+  explicit RingOver(std::uint32_t capacity, std::uint32_t first_index = 0)
       : arena_(std::move(Arena::map(std::size_t{1} << 20U).value())) {
     EXPECT_EQ(ring_.init(arena_, capacity, first_index), Status::kOk);
   }
-  SpscRing& operator*() { return ring_; }
-  SpscRing* operator->() { return &ring_; }
+  BasicSpscRing<Memory>& operator*() { return ring_; }
+  BasicSpscRing<Memory>* operator->() { return &ring_; }
 
  private:
   Arena arena_;
-  SpscRing ring_;
+  BasicSpscRing<Memory> ring_;
+};
+using Ring = RingOver<MachineMemory>;
+
+/// A kernel without membarrier: the producer fences.
+struct FencedMemory : MachineMemory {
+  static bool asymmetric() noexcept { return false; }
+};
+/// A kernel that grants the registration and then refuses the barrier: the ring is polled.
+struct RefusedMemory : MachineMemory {
+  static bool asymmetric() noexcept { return true; }
+  static bool heavy_fence() noexcept { return false; }
 };
 
 TEST(SpscRing, CapacityIsRoundedUpToAPowerOfTwo) {
@@ -111,8 +123,9 @@ struct Traffic {
 };
 
 // Values are a sequence, so a lost, doubled, stale or swapped handle shows.
+template <class Memory = MachineMemory>
 void run_traffic(const Traffic& traffic, std::uint32_t count) {
-  Ring ring(traffic.capacity, 0U - count / 2);
+  RingOver<Memory> ring(traffic.capacity, 0U - count / 2);
   ring->set_spin_ns(traffic.spin_ns);
   std::thread producer([&] {
     Pcg32 random(7);
@@ -157,16 +170,22 @@ TEST(SpscRing, MillionHandlesKeepTheirOrderWhileSpinning) {
   run_traffic({64, 20'000, true, false}, 1'000'000);
 }
 
+TEST(SpscRing, MillionHandlesKeepTheirOrderWithoutTheKernelsBarrier) {
+  run_traffic<FencedMemory>({256, 0, true, true}, 1'000'000);
+  run_traffic<RefusedMemory>({256, 0, true, true}, 1'000'000);
+}
+
 TEST(SpscRing, NarrowRingKeepsTheOrder) {
   run_traffic({1, 0, true, false}, 100'000);
 }
 
 // Each handle is answered before the next is sent, so every hand-off meets a consumer that is about
 // to sleep: a lost wake-up would hang here.
-TEST(SpscRing, PingPongLosesNoWakeUp) {
+template <class Memory>
+void ping_pong() {
   constexpr std::uint32_t kRounds = 20'000;
-  Ring there(2);
-  Ring back(2);
+  RingOver<Memory> there(2);
+  RingOver<Memory> back(2);
   std::thread echo([&] {
     std::uint32_t handle = 0;
     while (there->pop_wait(handle)) EXPECT_TRUE(back->try_push(handle));
@@ -181,6 +200,12 @@ TEST(SpscRing, PingPongLosesNoWakeUp) {
   there->close();
   echo.join();
   EXPECT_EQ(answered, kRounds);
+}
+
+TEST(SpscRing, PingPongLosesNoWakeUp) {
+  ping_pong<MachineMemory>();
+  ping_pong<FencedMemory>();
+  ping_pong<RefusedMemory>();
 }
 
 TEST(SpscRing, CloseEndsAWaitWheneverItComes) {
