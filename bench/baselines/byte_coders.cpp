@@ -101,6 +101,7 @@ std::string name_of(ByteCoder coder, int level) {
 }
 
 Bytes compress(ByteCoder coder, int level, std::span<const std::uint8_t> raw) {
+  if (raw.empty()) return {0};  // bzip2 refuses nothing
   Bytes packed;
   switch (coder) {
 #ifdef PLANECAST_HAVE_ZSTD
@@ -132,6 +133,7 @@ Bytes decompress(ByteCoder coder, std::span<const std::uint8_t> packed) {
   const std::uint64_t size = reader.take_varint();
   if (size > kMostRaw) fail(name_of(coder, 0), "cannot be decoded");
   Bytes raw(size);
+  if (size == 0) return raw;
   [[maybe_unused]] const auto body = reader.rest();
   switch (coder) {
 #ifdef PLANECAST_HAVE_ZSTD
