@@ -107,7 +107,10 @@ std::string lock_all_memory() {
       (void)pthread_setattr_default_np(&attributes);
     pthread_attr_destroy(&attributes);
   }
-  if (::mlockall(may_lock_anything() ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0) return {};
+  static bool told = false;
+  if (::mlockall(may_lock_anything() ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0 ||
+      std::exchange(told, true))
+    return {};
   return fmt::format(
       "memory is not locked ({}); raise RLIMIT_MEMLOCK (ulimit -l), or give the "
       "program CAP_IPC_LOCK",

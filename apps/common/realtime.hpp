@@ -34,8 +34,8 @@ void add_realtime_options(CLI::App& app, RealtimeOptions& options);
 Result<std::uint64_t> parse_bytes(std::string_view text);
 
 /// Keeps everything mapped now in RAM, and everything mapped later where no limit can make that
-/// fail; the heap keeps its pages. Once when the memory is taken, once more when the threads run.
-/// Returns the warning when the system says no, else "".
+/// fail; the heap keeps its pages. Before the threads start, and once more when they run. Returns
+/// the warning the first time that the system says no, else "". Main thread.
 std::string lock_all_memory();
 
 /// Says what threads dressed later shall have. Main thread, before it starts them.

@@ -52,6 +52,7 @@ struct Daemon {
   Result<Done> prepare(const MemoryPlan& plan, const LcmUrl& url);
   Result<Done> start();
   Result<Done> start_threads();
+  void lock_memory() const;
   void warn() const;
   void look_at_stages();
   void watch(StatusReport& report);
@@ -71,6 +72,7 @@ Result<Done> Daemon::prepare(const MemoryPlan& plan, const LcmUrl& url) {
   auto taken = take_memory(needs, plan, {});
   if (!taken) return taken.error();
   memory = std::move(*taken);
+  lock_memory();
   const FeedConfig feed_config{.repeat = options.repeat, .live = input.live != nullptr};
   feed =
       std::make_unique<FrameFeed>(*input.source, input.setup, std::move(input.first), feed_config);
@@ -111,11 +113,15 @@ Result<Done> Daemon::start_threads() {
           "the system refuses a thread; raise the limits of processes and of memory"};
 }
 
+// Before any thread of ours starts, so that none meets a page fault; and again when all is mapped,
+// where what comes later cannot be locked in advance.
+void Daemon::lock_memory() const {
+  if (!daemon.realtime.lock_memory) return;
+  const std::string refused = lock_all_memory();
+  if (!refused.empty()) fmt::print(stderr, "planecastd: {}\n", refused);
+}
+
 Result<Done> Daemon::start() {
-  if (daemon.realtime.lock_memory) {
-    const std::string refused = lock_all_memory();
-    if (!refused.empty()) fmt::print(stderr, "planecastd: {}\n", refused);
-  }
   if (const auto started = encoder->start(); !started) return started.error();
   sender = std::make_unique<StreamSender>(
       *encoder, *publisher,
@@ -127,6 +133,7 @@ Result<Done> Daemon::start() {
   if (daemon.realtime.watchdog_ns() > 0)
     watchdog.emplace(encoder->runner(), daemon.realtime.watchdog_ns());
   if (const auto started = start_threads(); !started) return started.error();
+  lock_memory();
   warn();
   return Done{};
 }

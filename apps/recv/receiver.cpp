@@ -67,6 +67,7 @@ struct Receiver {
   Result<Done> start();
   Result<Done> check_memory(std::size_t bytes) const;
   void warn();
+  void lock_memory() const;
   void look_at_loop();
   EndedBy watch(StopSignals& signals);
   void finish();
@@ -106,6 +107,7 @@ Result<Done> Receiver::prepare(const LcmUrl& url) {
       Subscriber::memory_bytes(config) + ReceiveLoop::memory_bytes(receive) +
       (options.has_sinks() ? SinkQueue::memory_bytes(kSinkSlots, limits.pixels()) : 0);
   if (const auto fits = check_memory(bytes); !fits) return fits.error();
+  lock_memory();
   auto subscribed = Subscriber::create(config, link);
   if (!subscribed) return subscribed.error();
   subscriber = std::move(*subscribed);
@@ -131,12 +133,15 @@ Result<Done> Receiver::check_memory(std::size_t bytes) const {
                            "receive smaller frames (--max-size) or fewer streams (--streams)");
 }
 
+// As in planecastd: before the threads, and again when all is mapped.
+void Receiver::lock_memory() const {
+  if (!options.realtime.lock_memory) return;
+  const std::string refused = lock_all_memory();
+  if (!refused.empty()) fmt::print(stderr, "planecast-recv: {}\n", refused);
+}
+
 // What the machine refuses is said once; the receiver runs all the same.
 Result<Done> Receiver::start() {
-  if (options.realtime.lock_memory) {
-    const std::string refused = lock_all_memory();
-    if (!refused.empty()) fmt::print(stderr, "planecast-recv: {}\n", refused);
-  }
   const auto receive = [](void* self) -> void* {
     dress_this_thread("receive");
     static_cast<Receiver*>(self)->loop->run();
@@ -146,6 +151,7 @@ Result<Done> Receiver::start() {
     return {Status::kOutOfArena,
             "the system refuses a thread; raise the limits of processes and of memory"};
   if (writer != nullptr) sink_thread = std::thread([this] { writer->run(); });
+  lock_memory();
   status.write({"ready=1"});
   return Done{};
 }

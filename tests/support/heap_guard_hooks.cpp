@@ -62,7 +62,10 @@ constexpr const char* kCondVersion = "GLIBC_2.3.2";
   guard_report(kind, #name);                            \
   return call(__VA_ARGS__)
 
-#define PLANECAST_BLOCKING(name, ...) PLANECAST_FORWARD(Offence::kBlock, nullptr, name, __VA_ARGS__)
+#define PLANECAST_BLOCKING(name, ...) PLANECAST_FORWARD(Offence::kWait, nullptr, name, __VA_ARGS__)
+#define PLANECAST_WRITING(name, ...) PLANECAST_FORWARD(Offence::kWrite, nullptr, name, __VA_ARGS__)
+#define PLANECAST_LOCKING(version, name, ...) \
+  PLANECAST_FORWARD(Offence::kMutex, version, name, __VA_ARGS__)
 
 extern "C" {
 
@@ -111,6 +114,7 @@ int posix_memalign(void** out, std::size_t align, std::size_t size) noexcept {
 }
 
 void* mmap(void* at, std::size_t size, int protection, int flags, int fd, off_t offset) noexcept {
+  planecast::test::guard_mapped(size, __builtin_return_address(0));
   PLANECAST_FORWARD(Offence::kMap, nullptr, mmap, at, size, protection, flags, fd, offset);
 }
 
@@ -141,21 +145,21 @@ void* sbrk(intptr_t delta) noexcept {
 // Taking a free mutex does not block; only one that another thread holds counts.
 int pthread_mutex_lock(pthread_mutex_t* mutex) noexcept {
   if (guard_armed() && pthread_mutex_trylock(mutex) == 0) return 0;
-  PLANECAST_BLOCKING(pthread_mutex_lock, mutex);
+  PLANECAST_LOCKING(nullptr, pthread_mutex_lock, mutex);
 }
 
 int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
-  PLANECAST_FORWARD(Offence::kBlock, kCondVersion, pthread_cond_wait, condition, mutex);
+  PLANECAST_LOCKING(kCondVersion, pthread_cond_wait, condition, mutex);
 }
 
 int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
                            const timespec* until) {
-  PLANECAST_FORWARD(Offence::kBlock, kCondVersion, pthread_cond_timedwait, condition, mutex, until);
+  PLANECAST_LOCKING(kCondVersion, pthread_cond_timedwait, condition, mutex, until);
 }
 
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
                            const timespec* until) {
-  PLANECAST_BLOCKING(pthread_cond_clockwait, condition, mutex, clock, until);
+  PLANECAST_LOCKING(nullptr, pthread_cond_clockwait, condition, mutex, clock, until);
 }
 
 int pthread_join(pthread_t thread, void** result) {
@@ -164,6 +168,15 @@ int pthread_join(pthread_t thread, void** result) {
 
 int sem_wait(sem_t* semaphore) {
   PLANECAST_BLOCKING(sem_wait, semaphore);
+}
+
+// Transport's wait for the next frame; the pipeline's own goes to the futex directly.
+int sem_clockwait(sem_t* semaphore, clockid_t clock, const timespec* until) {
+  PLANECAST_FORWARD(Offence::kIdle, nullptr, sem_clockwait, semaphore, clock, until);
+}
+
+int sem_timedwait(sem_t* semaphore, const timespec* until) {
+  PLANECAST_FORWARD(Offence::kIdle, nullptr, sem_timedwait, semaphore, until);
 }
 
 int nanosleep(const timespec* time, timespec* left) {
@@ -199,27 +212,32 @@ ssize_t read(int fd, void* bytes, std::size_t n) {
 }
 
 ssize_t write(int fd, const void* bytes, std::size_t n) {
-  PLANECAST_BLOCKING(write, fd, bytes, n);
+  PLANECAST_WRITING(write, fd, bytes, n);
 }
 
 ssize_t writev(int fd, const iovec* parts, int n) {
-  PLANECAST_BLOCKING(writev, fd, parts, n);
+  PLANECAST_WRITING(writev, fd, parts, n);
 }
 
 int fsync(int fd) {
-  PLANECAST_BLOCKING(fsync, fd);
+  PLANECAST_WRITING(fsync, fd);
 }
 
 int fdatasync(int fd) {
-  PLANECAST_BLOCKING(fdatasync, fd);
+  PLANECAST_WRITING(fdatasync, fd);
 }
 
 ssize_t send(int fd, const void* bytes, std::size_t n, int flags) {
-  PLANECAST_BLOCKING(send, fd, bytes, n, flags);
+  PLANECAST_WRITING(send, fd, bytes, n, flags);
 }
 
 ssize_t sendmsg(int fd, const msghdr* message, int flags) {
-  PLANECAST_BLOCKING(sendmsg, fd, message, flags);
+  PLANECAST_WRITING(sendmsg, fd, message, flags);
+}
+
+ssize_t sendto(int fd, const void* bytes, std::size_t n, int flags, const sockaddr* to,
+               socklen_t to_bytes) {
+  PLANECAST_WRITING(sendto, fd, bytes, n, flags, to, to_bytes);
 }
 
 ssize_t recv(int fd, void* bytes, std::size_t n, int flags) {

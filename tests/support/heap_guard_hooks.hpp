@@ -22,11 +22,22 @@ inline constexpr bool kHooksCompiledIn = false;
 inline constexpr bool kHooksCompiledIn = true;
 #endif
 
-enum class Offence : std::uint8_t { kAllocate = 0, kFree = 1, kMap = 2, kBlock = 3 };
-inline constexpr std::size_t kOffenceKinds = 4;
+enum class Offence : std::uint8_t {
+  kAllocate = 0,
+  kFree = 1,
+  kMap = 2,
+  kMutex = 3,
+  kWrite = 4,
+  kWait = 5,
+  kIdle = 6,  ///< no offence
+};
+inline constexpr std::size_t kOffenceKinds = 7;
 
 /// True when calls of this thread count at the moment.
 bool guard_armed() noexcept;
+
+/// Counts bytes mapped when `caller` lies in the main program.
+void guard_mapped(std::size_t bytes, const void* caller) noexcept;
 
 /// Counts a call of the calling thread when it is armed, and keeps the first one's backtrace.
 void guard_report(Offence kind, const char* call) noexcept;

@@ -72,7 +72,7 @@ void expect_nothing(const HeapGuardTotals& totals) {
   EXPECT_EQ(totals.allocations, 0U) << HeapGuard::first_offender();
   EXPECT_EQ(totals.frees, 0U) << HeapGuard::first_offender();
   EXPECT_EQ(totals.maps, 0U) << HeapGuard::first_offender();
-  EXPECT_EQ(totals.blocks, 0U) << HeapGuard::first_offender();
+  EXPECT_EQ(totals.blocks(), 0U) << HeapGuard::first_offender();
 }
 
 class CodecNoHeap : public testing::TestWithParam<StreamCase> {
@@ -121,7 +121,7 @@ TEST_F(CodecGuard, CatchesASleepPlantedOnOneStagesThreadAndNamesIt) {
     const timespec pause{0, 1};
     nanosleep(&pause, nullptr);
   });
-  EXPECT_EQ(totals.blocks, 1U);
+  EXPECT_EQ(totals.blocks(), 1U);
   EXPECT_EQ(totals.sum(), 1U);
   EXPECT_EQ(HeapGuard::first_offender().find("nanosleep on thread 'fit'"), 0U);
 }
@@ -133,14 +133,14 @@ TEST_F(CodecGuard, CatchesAWaitForAMutexPlantedOnOneStagesThread) {
   std::thread holder([&] {
     const std::scoped_lock lock(held);
     taken.store(true);
-    while (HeapGuard::totals().blocks == 0) std::this_thread::yield();
+    while (HeapGuard::totals().blocks() == 0) std::this_thread::yield();
   });
   while (!taken.load()) std::this_thread::yield();
   const HeapGuardTotals totals = run_planted([](const char* name) {
     if (std::string_view(name) == "pack") const std::scoped_lock lock(held);
   });
   holder.join();
-  EXPECT_EQ(totals.blocks, 1U);
+  EXPECT_EQ(totals.blocks(), 1U);
   EXPECT_EQ(totals.sum(), 1U);
 }
 

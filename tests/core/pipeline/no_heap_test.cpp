@@ -57,7 +57,7 @@ TEST(HeapGuard, TenThousandFramesThroughFourStagesDoNothingForbidden) {
   EXPECT_EQ(totals.allocations, 0U) << HeapGuard::first_offender();
   EXPECT_EQ(totals.frees, 0U) << HeapGuard::first_offender();
   EXPECT_EQ(totals.maps, 0U) << HeapGuard::first_offender();
-  EXPECT_EQ(totals.blocks, 0U) << HeapGuard::first_offender();
+  EXPECT_EQ(totals.blocks(), 0U) << HeapGuard::first_offender();
   EXPECT_EQ(HeapGuard::first_offender(), "");
 }
 
@@ -131,11 +131,11 @@ TEST(HeapGuard, CatchesAMutexWaitInAStageAndLetsAFreeMutexPass) {
   mutex.lock();
   std::thread holder_stays([&] {
     // Gives the mutex away only once the guard has counted the wait, so no clock is involved.
-    while (HeapGuard::totals().blocks == 0) std::this_thread::yield();
+    while (HeapGuard::totals().blocks() == 0) std::this_thread::yield();
     waiting.store(true);
   });
   std::thread run(
-      [&] { EXPECT_EQ(run_guarded(1, [&] { const std::scoped_lock lock(mutex); }).blocks, 1U); });
+      [&] { EXPECT_EQ(run_guarded(1, [&] { const std::scoped_lock lock(mutex); }).blocks(), 1U); });
   holder_stays.join();
   mutex.unlock();
   run.join();
@@ -145,7 +145,7 @@ TEST(HeapGuard, CatchesAMutexWaitInAStageAndLetsAFreeMutexPass) {
 TEST(HeapGuard, CatchesSleepConditionWaitPollReadAndWrite) {
   PLANECAST_NEED_HEAP_GUARD();
   const auto blocks = [](std::function<void()> planted) {
-    return run_guarded(1, std::move(planted)).blocks;
+    return run_guarded(1, std::move(planted)).blocks();
   };
   const int null_device = open("/dev/null", O_RDWR);
   ASSERT_GE(null_device, 0);
@@ -175,7 +175,7 @@ TEST(HeapGuard, CatchesAWaitOnAConditionThatAnotherThreadSignals) {
   bool ready = false;
   HeapGuard::reset();  // before the signaller looks for the first wait
   std::thread signaller([&] {
-    while (HeapGuard::totals().blocks == 0) std::this_thread::yield();
+    while (HeapGuard::totals().blocks() == 0) std::this_thread::yield();
     const std::scoped_lock lock(mutex);
     ready = true;
     condition.notify_all();
@@ -185,7 +185,7 @@ TEST(HeapGuard, CatchesAWaitOnAConditionThatAnotherThreadSignals) {
     condition.wait(lock, [&] { return ready; });
   });
   signaller.join();
-  EXPECT_GE(totals.blocks, 1U);
+  EXPECT_GE(totals.blocks(), 1U);
 }
 
 TEST(HeapGuard, UnarmedThreadsAreFree) {

@@ -64,6 +64,8 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
+  pid_t pid() const { return pid_; }
+
   void signal(int number) const {
     if (pid_ > 0) ::kill(pid_, number);
   }
