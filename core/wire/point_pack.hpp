@@ -17,6 +17,9 @@
 #include "core/base/status.hpp"
 #include "core/model/grid_point.hpp"
 #include "core/wire/frame_pack.hpp"
+#include "core/wire/point_axes_pack.hpp"
+#include "core/wire/point_levels.hpp"
+#include "core/wire/point_models.hpp"
 #include "core/wire/z_order.hpp"
 
 namespace planecast {
@@ -55,13 +58,22 @@ class PointFramePacker {
  private:
   struct Job;
 
-  void sort_points(const Job& job) noexcept;
+  Status sort_points(Job& job) noexcept;
   Status pack_slices(Job& job) noexcept;
-  std::uint32_t fitting(const Job& job, std::uint32_t first, std::size_t body) const noexcept;
-  Status pack_verbatim(Job& job, std::uint32_t first, std::uint32_t count) noexcept;
+  Status pack_some(Job& job, std::uint32_t first, std::uint32_t& count) noexcept;
+  bool code_tree(const Job& job, std::span<const ZKey> cells, std::span<std::uint8_t> room,
+                 std::size_t& bytes) noexcept;
+  Status close_slice(Job& job, std::span<const ZKey> cells, std::size_t bytes) noexcept;
 
-  std::span<ZKey> keys_;
+  CellChooser chooser_;
+  FrameCells cells_;
+  std::span<ZKey> keys_;  ///< cells in Z-order, each with the number of its points
   std::span<ZKey> spare_;
+  std::uint32_t cell_count_ = 0;
+  std::uint32_t cell_bits_q4_ = 4 * 16;  ///< measured bits of a cell, for the next slice's length
+  PointLevels levels_;
+  PointModels models_;
+  PointMixers mixers_;
 };
 
 }  // namespace planecast

@@ -4,34 +4,48 @@
 
 #include "core/wire/packet_header.hpp"
 #include "core/wire/point_syntax.hpp"
+#include "core/wire/point_tree.hpp"
 #include "core/wire/range_decoder.hpp"
 
 namespace planecast {
 namespace {
 
 struct DecodeIo {
+  static constexpr bool kReads = true;
   RangeDecoder& coder;
+  const CellAxes& axes;
+  std::span<GridPoint> room;
+  std::uint32_t used = 0;
+
   std::uint32_t raw(std::uint32_t, int bits) noexcept { return coder.raw(bits); }
+  bool bit(BitModel& model, bool) noexcept { return coder.bit(model); }
+  bool bit_at(std::uint32_t probability, bool) noexcept { return coder.bit_at(probability); }
+  bool failed() const noexcept { return coder.truncated(); }
+  std::uint32_t octant(std::uint32_t, unsigned) const noexcept { return 0; }
+  std::uint32_t count(std::uint32_t) const noexcept { return 0; }
+
+  // `room` holds the points that the head announced; the tree never puts out more.
+  Status emit(const std::array<std::uint32_t, 3>& cell, std::uint32_t points) noexcept {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (cell[i] > axes[i].last()) return Status::kBadSymbol;
+    const GridPoint point{axes[0].middle(cell[0]), axes[1].middle(cell[1]),
+                          axes[2].middle(cell[2])};
+    std::fill_n(room.begin() + used, points, point);
+    used += points;
+    return Status::kOk;
+  }
 };
 
-Status unpack_verbatim(DecodeIo& io, std::uint32_t half, std::span<GridPoint> room,
-                       std::uint32_t& count) noexcept {
-  const std::uint32_t points = plain_number(io, 0, 32);
-  if (points > room.size()) return Status::kTooLarge;
-  CellBox box;
-  if (const Status status = plain_box(io, box); status != Status::kOk) return status;
-  const std::uint32_t last = cell_of(std::numeric_limits<std::int32_t>::max(), half);
-  for (std::uint32_t i = 0; i < points; ++i) {
+Status unpack_plain(DecodeIo& io) noexcept {
+  std::array<std::uint32_t, 3> widths{};
+  if (const Status status = plain_widths(io, widths); status != Status::kOk) return status;
+  for (std::size_t i = 0; i < io.room.size(); ++i) {
     std::array<std::uint32_t, 3> cell{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::uint32_t up = plain_number(io, 0, box.bits[axis]);
-      if (box.least[axis] > last || up > last - box.least[axis]) return Status::kBadSymbol;
-      cell[axis] = box.least[axis] + up;
-    }
-    if (io.coder.truncated()) return Status::kTruncated;
-    room[i] = {cell_middle(cell[0], half), cell_middle(cell[1], half), cell_middle(cell[2], half)};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      cell[axis] = static_cast<std::uint32_t>(plain_number(io, 0, widths[axis]));
+    if (io.failed()) return Status::kTruncated;
+    if (const Status status = io.emit(cell, 1); status != Status::kOk) return status;
   }
-  count = points;
   return Status::kOk;
 }
 
@@ -46,8 +60,8 @@ Status point_slice_kind(std::span<const std::uint8_t> packet, PointSliceKind& ki
   return Status::kOk;
 }
 
-void PointFrameUnpacker::layout(Arena&, std::uint32_t max_points) noexcept {
-  max_points_ = max_points;
+void PointFrameUnpacker::layout(Arena& arena, std::uint32_t max_points) noexcept {
+  levels_.layout(arena, max_points);
 }
 
 Status PointFrameUnpacker::unpack_slice(const PointCoding& coding, std::uint32_t key_hash,
@@ -62,17 +76,31 @@ Status PointFrameUnpacker::unpack_slice(const PointCoding& coding, std::uint32_t
   if (used > most) return Status::kTooLarge;
 
   RangeDecoder coder(packet.subspan(kPacketHeaderBytes));
-  DecodeIo io{coder};
-  const std::uint32_t kind = io.raw(0, 2);
-  if (kind != static_cast<std::uint32_t>(PointSliceKind::kVerbatim)) return Status::kFieldRange;
-  std::uint32_t count = 0;
-  const Status status =
-      unpack_verbatim(io, cell_half(coding), target.subspan(used, most - used), count);
-  if (coder.truncated()) return Status::kTruncated;
-  if (status != Status::kOk) return status;
-  if (coder.trailing()) return Status::kTrailingBytes;
-  used += count;
-  return Status::kOk;
+  PointHead head;
+  for (CellAxis& axis : head.axes) axis.pitch = pitch_of(cell_half(coding));
+  DecodeIo io{coder, head.axes, target.subspan(used, most - used)};
+  const auto kind = static_cast<PointSliceKind>(io.raw(0, 2));
+  if (kind != PointSliceKind::kVerbatim && kind != PointSliceKind::kCoded)
+    return Status::kFieldRange;
+  if (const Status status = point_head(io, head); status != Status::kOk) return status;
+  if (io.failed()) return Status::kTruncated;
+  if (head.points > io.room.size()) return Status::kTooLarge;
+  io.room = io.room.first(head.points);
+  Status status = kind == PointSliceKind::kVerbatim ? unpack_plain(io) : unpack_tree(io);
+  if (coder.truncated()) status = Status::kTruncated;
+  if (status == Status::kOk && coder.trailing()) status = Status::kTrailingBytes;
+  if (status == Status::kOk) used += head.points;
+  return status;
+}
+
+template <class Io>
+Status PointFrameUnpacker::unpack_tree(Io& io) noexcept {
+  const std::uint32_t depth = io.raw(0, 6), group = io.raw(0, 2);
+  if (depth > 32) return Status::kFieldRange;
+  models_ = PointModels{};
+  mixers_ = PointMixers{};
+  PointTree<Io> tree(io, models_, mixers_, levels_);
+  return tree.code(depth, group, static_cast<std::uint32_t>(io.room.size()), 0);
 }
 
 }  // namespace planecast

@@ -8,6 +8,8 @@
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
 #include "core/model/grid_point.hpp"
+#include "core/wire/point_levels.hpp"
+#include "core/wire/point_models.hpp"
 
 namespace planecast {
 
@@ -31,7 +33,12 @@ class PointFrameUnpacker {
                       std::uint32_t& used) noexcept;
 
  private:
-  std::uint32_t max_points_ = 0;
+  template <class Io>
+  Status unpack_tree(Io& io) noexcept;
+
+  PointLevels levels_;
+  PointModels models_;
+  PointMixers mixers_;
 };
 
 }  // namespace planecast

@@ -20,7 +20,14 @@ class RangeDecoder {
   }
 
   bool bit(BitModel& model) noexcept {
-    const std::uint64_t split = (range_ >> 16U) * model.probability();
+    const bool value = bit_at(model.probability());
+    model.update(value);
+    return value;
+  }
+
+  /// A decision whose probability of a 1 is `probability` / 65536, 1 .. 65535.
+  bool bit_at(std::uint32_t probability) noexcept {
+    const std::uint64_t split = (range_ >> 16U) * probability;
     const bool value = code_ < split;
     if (value) {
       range_ = split;
@@ -28,7 +35,6 @@ class RangeDecoder {
       code_ -= split;
       range_ -= split;
     }
-    model.update(value);
     normalise();
     return value;
   }

@@ -18,14 +18,19 @@ class RangeEncoder {
   explicit RangeEncoder(std::span<std::uint8_t> out) noexcept : out_(out) {}
 
   void bit(BitModel& model, bool value) noexcept {
-    const std::uint64_t split = (range_ >> 16U) * model.probability();
+    bit_at(model.probability(), value);
+    model.update(value);
+  }
+
+  /// A decision whose probability of a 1 is `probability` / 65536, 1 .. 65535.
+  void bit_at(std::uint32_t probability, bool value) noexcept {
+    const std::uint64_t split = (range_ >> 16U) * probability;
     if (value) {
       range_ = split;
     } else {
       add(split);
       range_ -= split;
     }
-    model.update(value);
     if (range_ < kLeastRange) shift();
   }
 

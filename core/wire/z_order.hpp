@@ -1,12 +1,13 @@
 // Z-order (Morton) keys of cells with 32 bits a coordinate, and sorting by them. Encoder half.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
 namespace planecast {
 
-/// A cell's 96 interleaved bits, x lowest, and the point that lies in it.
+/// A cell's 96 interleaved bits, x lowest, and a point that lies in it or their number.
 struct ZKey {
   std::uint64_t low = 0;
   std::uint32_t high = 0;
@@ -26,6 +27,12 @@ struct ZKey {
 
 /// The key of cell (x, y, z).
 ZKey z_key(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t point) noexcept;
+
+/// The cell of a key.
+std::array<std::uint32_t, 3> z_cell(const ZKey& key) noexcept;
+
+/// Levels on which two cells differ: their lower bits, 0 (the same) .. 32.
+unsigned z_depth(const ZKey& a, const ZKey& b) noexcept;
 
 /// Sorts `keys` by cell, equal cells in the order they came. `spare` has the same size. O(n).
 void sort_z_keys(std::span<ZKey> keys, std::span<ZKey> spare) noexcept;

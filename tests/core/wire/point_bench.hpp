@@ -117,8 +117,9 @@ inline std::string broken_contract(const Points& in, const Points& out, std::uin
 
 /// Clouds by name, `n` points each, coordinates within about +-`size`.
 inline const std::vector<std::string>& cloud_names() {
-  static const std::vector<std::string> kNames = {
-      "volume", "plane", "noisy", "sphere", "line", "equal", "sparse", "clustered", "full", "edge"};
+  static const std::vector<std::string> kNames = {"volume", "plane", "noisy",  "sphere",
+                                                  "line",   "equal", "sparse", "clustered",
+                                                  "full",   "edge",  "field",  "voxels"};
   return kNames;
 }
 
@@ -149,6 +150,13 @@ inline Points cloud(const std::string& name, std::size_t n, std::int32_t size, u
       p = {centre.x + k * size + within(3), centre.y + within(3), centre.z + within(3)};
     }
     if (name == "full") p = {within(kAll), within(kAll), within(kAll)};
+    if (name == "field") {  // heights over a lattice whose pitch is no whole number of steps
+      const auto at = [&](std::int32_t v) {
+        return static_cast<std::int32_t>(std::int64_t{v / 200} * 3001 / 10);
+      };
+      p = {at(p.x), at(p.y), p.x / 9 - p.y / 7};
+    }
+    if (name == "voxels") p = {p.x / 100 * 100, p.y / 100 * 100 + 7, p.z / 100 * 100 - 3};
     if (name == "edge") {
       constexpr std::int32_t kEnds[2] = {std::numeric_limits<std::int32_t>::min(),
                                          std::numeric_limits<std::int32_t>::max()};

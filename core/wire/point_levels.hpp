@@ -1,0 +1,185 @@
+// The nodes of one level of the point tree, who neighbours whom, and what is seen from a node's
+// children. Shared by both halves (docs/wire-format.md, "Point tile").
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/base/arena.hpp"
+#include "core/wire/point_neighbours.hpp"
+
+namespace planecast {
+
+/// Cells of a slice at most: bounds the memory of both halves.
+inline constexpr std::uint32_t kMaxSliceCells = 131072;
+
+struct PointNode {
+  std::array<std::uint32_t, 3> at{};  ///< position in nodes of this level
+  std::uint32_t first = 0;            ///< encoder: its cells
+  std::uint32_t end = 0;
+  std::uint32_t pattern = 0;  ///< which neighbours are occupied; its own bit is set
+  std::uint32_t child = 0;    ///< index of its first child on the next level
+  std::uint8_t mask = 0;      ///< its occupied children
+  std::uint32_t near[27];     ///< indices of the neighbours in `pattern`
+};
+
+namespace detail {
+
+/// The children of the neighbour at bit d that touch the centre node's.
+constexpr std::array<std::uint8_t, 27> make_touching() {
+  std::array<std::uint8_t, 27> table{};
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        for (unsigned octant = 0; octant < 8; ++octant) {
+          const auto seen = [](int d, unsigned c) { return d == 0 || (d < 0) == (c != 0); };
+          if (seen(x, octant & 1U) && seen(y, octant >> 1U & 1U) && seen(z, octant >> 2U))
+            table[pattern_bit(x, y, z)] |= static_cast<std::uint8_t>(1U << octant);
+        }
+  return table;
+}
+inline constexpr auto kTouching = make_touching();
+
+/// Where the children of the neighbour at bit d stand in a window of 4 x 4 x 4.
+constexpr std::array<std::int8_t, 27> make_window_shift() {
+  std::array<std::int8_t, 27> table{};
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        table[pattern_bit(x, y, z)] =
+            static_cast<std::int8_t>(2 * x + 1 + 4 * (2 * y + 1) + 16 * (2 * z + 1));
+  return table;
+}
+inline constexpr auto kWindowShift = make_window_shift();
+
+/// Child octant -> its neighbour at bit d: the parent's neighbour and the octant there.
+struct ChildStep {
+  std::uint8_t parent, octant;
+};
+constexpr std::array<std::array<ChildStep, 27>, 8> make_child_steps() {
+  std::array<std::array<ChildStep, 27>, 8> table{};
+  for (unsigned octant = 0; octant < 8; ++octant)
+    for (int z = -1; z <= 1; ++z)
+      for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+          const int at[3] = {static_cast<int>(octant & 1U) + x,
+                             static_cast<int>(octant >> 1U & 1U) + y,
+                             static_cast<int>(octant >> 2U) + z};
+          int outside[3] = {};
+          unsigned inside = 0;
+          for (unsigned i = 0; i < 3; ++i) {
+            outside[i] = at[i] < 0 ? -1 : (at[i] > 1 ? 1 : 0);
+            inside |= static_cast<unsigned>(at[i] & 1) << i;
+          }
+          table[octant][pattern_bit(x, y, z)] = {
+              static_cast<std::uint8_t>(pattern_bit(outside[0], outside[1], outside[2])),
+              static_cast<std::uint8_t>(inside)};
+        }
+  return table;
+}
+inline constexpr auto kChildSteps = make_child_steps();
+
+}  // namespace detail
+
+/// A node's children at their places in a window of 4 x 4 x 4 whose corner is child 0.
+constexpr std::uint64_t window_of(std::uint32_t mask) noexcept {
+  return (mask & 3U) | (mask & 12U) << 2U | (mask & 48U) << 12U | (mask & 192U) << 14U;
+}
+
+/// Adds the children `mask` of the neighbour at bit `d` to the window round a node's children.
+inline void add_to_window(std::uint64_t& window, unsigned d, std::uint32_t mask) noexcept {
+  const std::uint64_t children = window_of(mask & detail::kTouching[d]);
+  const int shift = detail::kWindowShift[d];
+  window |= shift >= 0 ? children << static_cast<unsigned>(shift)
+                       : children >> static_cast<unsigned>(-shift);
+}
+
+/// The place of child `octant` in the window.
+constexpr unsigned window_place(unsigned octant) noexcept {
+  return (octant & 1U) + 4 * (octant >> 1U & 1U) + 16 * (octant >> 2U);
+}
+
+/// The 3 x 3 x 3 round child `octant` as a pattern of 27 bits.
+inline std::uint32_t pattern_of_child(std::uint64_t window, unsigned octant) noexcept {
+  const std::uint64_t w = window >> window_place(octant);
+  const auto layer = [](std::uint64_t v) {
+    const auto bits = static_cast<std::uint32_t>(v);
+    return (bits & 7U) | (bits >> 1U & 0x38U) | (bits >> 2U & 0x1c0U);
+  };
+  return layer(w) | layer(w >> 16U) << 9U | layer(w >> 32U) << 18U;
+}
+
+/// Two levels of nodes, the one being coded and the one below it. Memory from the arena.
+class PointLevels {
+ public:
+  void layout(Arena& arena, std::uint32_t max_points) noexcept {
+    const std::uint32_t nodes = max_points < kMaxSliceCells ? max_points : kMaxSliceCells;
+    upper_ = arena.take<PointNode>(nodes);
+    lower_ = arena.take<PointNode>(nodes);
+  }
+
+  std::uint32_t capacity() const noexcept { return static_cast<std::uint32_t>(upper_.size()); }
+
+  /// Begins with the root alone.
+  void begin(std::uint32_t cells) noexcept {
+    PointNode& root = upper_[0];
+    root.at = {};
+    root.first = 0;
+    root.end = cells;
+    root.pattern = 1U << kCentreBit;
+    root.near[kCentreBit] = 0;
+    upper_count_ = 1;
+    lower_count_ = 0;
+  }
+
+  std::span<PointNode> nodes() noexcept { return upper_.first(upper_count_); }
+  std::uint32_t below() const noexcept { return lower_count_; }
+
+  /// Appends child `octant` of `parent`; needs below() < capacity().
+  PointNode& add_child(const PointNode& parent, unsigned octant) noexcept {
+    PointNode& child = lower_[lower_count_++];
+    for (unsigned axis = 0; axis < 3; ++axis)
+      child.at[axis] = 2 * parent.at[axis] + (octant >> axis & 1U);
+    return child;
+  }
+
+  /// Makes the level below the current one; with `linked`, its nodes learn their neighbours.
+  void descend(bool linked) noexcept {
+    if (linked)
+      for (const PointNode& parent : nodes()) link_children(parent);
+    std::swap(upper_, lower_);
+    upper_count_ = lower_count_;
+    lower_count_ = 0;
+  }
+
+ private:
+  void link_children(const PointNode& parent) noexcept {
+    std::uint64_t window = 0;
+    for (std::uint32_t left = parent.pattern; left != 0; left &= left - 1) {
+      const auto d = static_cast<unsigned>(std::countr_zero(left));
+      add_to_window(window, d, upper_[parent.near[d]].mask);
+    }
+    std::uint32_t next = parent.child;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      if ((parent.mask >> octant & 1U) == 0) continue;
+      PointNode& child = lower_[next++];
+      child.pattern = pattern_of_child(window, octant);
+      for (std::uint32_t left = child.pattern; left != 0; left &= left - 1) {
+        const auto d = static_cast<unsigned>(std::countr_zero(left));
+        const detail::ChildStep step = detail::kChildSteps[octant][d];
+        const PointNode& other = upper_[parent.near[step.parent]];
+        child.near[d] =
+            other.child + static_cast<std::uint32_t>(std::popcount(
+                              static_cast<std::uint32_t>(other.mask) & ((1U << step.octant) - 1)));
+      }
+    }
+  }
+
+  std::span<PointNode> upper_, lower_;
+  std::uint32_t upper_count_ = 0, lower_count_ = 0;
+};
+
+}  // namespace planecast

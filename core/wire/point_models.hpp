@@ -1,0 +1,42 @@
+// Probability models of a coded point slice (docs/wire-format.md, "Point tile").
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/wire/bit_mixer.hpp"
+#include "core/wire/bit_model.hpp"
+
+namespace planecast {
+
+inline constexpr std::size_t kFaceStates = 27;  ///< three outer faces: empty, not known yet, full
+inline constexpr std::size_t kSiblingStates = 256;
+inline constexpr std::size_t kKnownWeights = 40;
+inline constexpr std::size_t kUnknownCounts = 16;
+inline constexpr std::size_t kPlaneKinds = 15;  ///< neighbours (3) by flatness (5)
+inline constexpr std::size_t kPlaneDistances = 16;
+
+/// Models of one kind of level.
+struct OccupancyModels {
+  BitModel faces[kFaceStates][kSiblingStates];
+  BitModel around[kKnownWeights][kUnknownCounts];
+  BitModel plane[kPlaneKinds][kPlaneDistances][3];
+};
+
+inline constexpr std::size_t kSizeSlots = 33;
+inline constexpr std::size_t kExtraContexts = 20;
+
+struct PointModels {
+  OccupancyModels occupancy[2];                     ///< the last level, and those above
+  BitModel single[32];                              ///< a lone node holds one point, by level
+  BitModel extra_size[kExtraContexts][kSizeSlots];  ///< bit length of a group's extra points, unary
+  BitModel extra_top[kSizeSlots];                   ///< the bit below the leading one
+};
+inline constexpr std::size_t kPointModelCount = sizeof(PointModels) / sizeof(BitModel);
+
+/// Weights of the mixed occupancy decisions.
+struct PointMixers {
+  BitMixer<3> occupancy[2][kPlaneKinds];
+};
+
+}  // namespace planecast

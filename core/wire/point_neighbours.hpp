@@ -1,0 +1,140 @@
+// What a node of the point tree knows of its 26 neighbours: sums over a 3 x 3 x 3 pattern by
+// three table reads, and a plane through the occupied ones. Shared by both halves; integers only
+// (docs/wire-format.md, "Point tile").
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+namespace planecast {
+
+/// Position (dx, dy, dz), each -1 .. 1, in a pattern of 27 bits.
+constexpr unsigned pattern_bit(int dx, int dy, int dz) noexcept {
+  return static_cast<unsigned>((dx + 1) + 3 * (dy + 1) + 9 * (dz + 1));
+}
+inline constexpr unsigned kCentreBit = pattern_bit(0, 0, 0);
+
+namespace detail {
+
+/// Sums over the set bits of one 3 x 3 layer.
+struct LayerSums {
+  std::int8_t n, x, y, xx, yy, xy;
+  std::uint8_t outer;   ///< 1 corner, 2 beside, 3 middle: of the layers above and below
+  std::uint8_t middle;  ///< 2 corner, 3 beside: of the middle layer, the centre not counted
+};
+
+constexpr std::array<LayerSums, 512> make_layer_sums() {
+  std::array<LayerSums, 512> table{};
+  for (unsigned pattern = 0; pattern < 512; ++pattern) {
+    LayerSums& sums = table[pattern];
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        if ((pattern >> static_cast<unsigned>((x + 1) + 3 * (y + 1)) & 1U) == 0) continue;
+        const int far = (x != 0 ? 1 : 0) + (y != 0 ? 1 : 0);
+        sums.n = static_cast<std::int8_t>(sums.n + 1);
+        sums.x = static_cast<std::int8_t>(sums.x + x);
+        sums.y = static_cast<std::int8_t>(sums.y + y);
+        sums.xx = static_cast<std::int8_t>(sums.xx + x * x);
+        sums.yy = static_cast<std::int8_t>(sums.yy + y * y);
+        sums.xy = static_cast<std::int8_t>(sums.xy + x * y);
+        sums.outer = static_cast<std::uint8_t>(sums.outer + 3 - far);
+        sums.middle = static_cast<std::uint8_t>(sums.middle + (far == 0 ? 0 : 4 - far));
+      }
+    }
+  }
+  return table;
+}
+inline constexpr auto kLayerSums = make_layer_sums();
+
+}  // namespace detail
+
+/// Set bits of a 27-bit pattern.
+inline unsigned pattern_count(std::uint32_t p) noexcept {
+  using detail::kLayerSums;
+  return static_cast<unsigned>(kLayerSums[p & 511U].n + kLayerSums[p >> 9U & 511U].n +
+                               kLayerSums[p >> 18U & 511U].n);
+}
+
+/// 3 for each face, 2 for each edge, 1 for each corner set; the centre does not count.
+inline unsigned pattern_weight(std::uint32_t p) noexcept {
+  using detail::kLayerSums;
+  return kLayerSums[p & 511U].outer + kLayerSums[p >> 9U & 511U].middle +
+         kLayerSums[p >> 18U & 511U].outer;
+}
+
+/// A plane through the middles of a node and its neighbours, as seen from the node's children.
+struct NodePlane {
+  std::uint32_t kind = 4;  ///< neighbours * 5 + flatness; flatness 4: no plane
+  std::int32_t at = 0;
+  std::int32_t step[3] = {};
+  std::uint32_t scale = 0;
+
+  /// Distance of child `octant`'s middle in steps of a tenth of a child, L1 normal, 0 .. 15.
+  std::uint32_t distance(unsigned octant) const noexcept {
+    if (scale == 0) return 0;
+    std::int32_t sum = at;
+    for (unsigned axis = 0; axis < 3; ++axis)
+      sum += (octant >> axis & 1U) != 0 ? step[axis] : -step[axis];
+    return std::min<std::uint32_t>(5 * static_cast<std::uint32_t>(std::abs(sum)) / scale, 15);
+  }
+};
+
+/// The plane of a node whose neighbours are `pattern` (its own bit is set). Exact integers.
+inline NodePlane node_plane(std::uint32_t pattern) noexcept {
+  const auto& below = detail::kLayerSums[pattern & 511U];
+  const auto& level = detail::kLayerSums[pattern >> 9U & 511U];
+  const auto& above = detail::kLayerSums[pattern >> 18U & 511U];
+  const std::int32_t n = below.n + level.n + above.n;
+  const std::int32_t x = below.x + level.x + above.x, y = below.y + level.y + above.y;
+  const std::int32_t z = above.n - below.n;
+  // Covariances times n^2, and the adjugate of their matrix: its columns lean to the normal.
+  const std::int64_t cxx = n * (below.xx + level.xx + above.xx) - x * x;
+  const std::int64_t cyy = n * (below.yy + level.yy + above.yy) - y * y;
+  const std::int64_t czz = n * (below.n + above.n) - z * z;
+  const std::int64_t cxy = n * (below.xy + level.xy + above.xy) - x * y;
+  const std::int64_t cxz = n * (above.x - below.x) - x * z;
+  const std::int64_t cyz = n * (above.y - below.y) - y * z;
+  const std::int64_t axx = cyy * czz - cyz * cyz, ayy = cxx * czz - cxz * cxz;
+  const std::int64_t azz = cxx * cyy - cxy * cxy, axy = cxz * cyz - cxy * czz;
+  const std::int64_t axz = cxy * cyz - cxz * cyy, ayz = cxy * cxz - cyz * cxx;
+  std::array<std::int64_t, 3> v = axx >= ayy && axx >= azz ? std::array{axx, axy, axz}
+                                  : ayy >= azz             ? std::array{axy, ayy, ayz}
+                                                           : std::array{axz, ayz, azz};
+  const auto shorten = [&] {
+    const std::uint64_t most =
+        static_cast<std::uint64_t>(std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}));
+    const int extra = static_cast<int>(std::bit_width(most)) - 12;
+    if (extra > 0)
+      for (std::int64_t& c : v) c /= std::int64_t{1} << extra;  // towards zero
+  };
+  shorten();
+  for (int round = 0; round < 2; ++round) {
+    v = {axx * v[0] + axy * v[1] + axz * v[2], axy * v[0] + ayy * v[1] + ayz * v[2],
+         axz * v[0] + ayz * v[1] + azz * v[2]};
+    shorten();
+  }
+  const std::int64_t l1 = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
+  NodePlane plane;
+  const std::uint32_t crowd = n < 5 ? 0 : (n < 9 ? 1 : 2);
+  plane.kind = crowd * 5 + 4;
+  if (l1 == 0) return plane;
+  const std::int64_t thick = v[0] * (v[0] * cxx + 2 * (v[1] * cxy + v[2] * cxz)) +
+                             v[1] * (v[1] * cyy + 2 * v[2] * cyz) + v[2] * v[2] * czz;
+  const std::int64_t unit = l1 * l1 * n * n;
+  const std::uint32_t flat = 1000 * thick < 29 * unit    ? 0
+                             : 1000 * thick < 58 * unit  ? 1
+                             : 1000 * thick < 109 * unit ? 2
+                                                         : 3;
+  plane.kind = crowd * 5 + flat;
+  plane.at = static_cast<std::int32_t>(-4 * (v[0] * x + v[1] * y + v[2] * z));
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    plane.step[axis] = static_cast<std::int32_t>(n * v[axis]);
+  plane.scale = static_cast<std::uint32_t>(n * l1);
+  return plane;
+}
+
+}  // namespace planecast
