@@ -8,11 +8,21 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/wire/bit_model.hpp"
-
 namespace planecast {
 
 namespace detail {
+
+inline constexpr unsigned kMostSeen = 150;
+inline constexpr unsigned kMostFast = 14;
+
+/// How far an estimate moves to the outcome by the decisions seen: 1/1.6, 1/2.6, ... 1/61.6 [Q16].
+constexpr std::array<std::uint16_t, kMostSeen + 1> make_mixed_rates() {
+  std::array<std::uint16_t, kMostSeen + 1> rates{};
+  for (unsigned seen = 0; seen <= kMostSeen; ++seen)
+    rates[seen] = static_cast<std::uint16_t>(655360 / (10 * seen + 16));
+  return rates;
+}
+inline constexpr auto kMixedRates = make_mixed_rates();
 
 /// 65536 / (1 + exp(-x)) at x = -8, -7.5, ... 8.
 inline constexpr std::array<std::uint16_t, 33> kLogistic = {
@@ -45,6 +55,26 @@ inline constexpr auto kStretch = make_stretch();
 
 }  // namespace detail
 
+/// Probability of a decision that is mixed: the mean of two estimates, both of all that was seen
+/// while young, later one that forgets fast and one that forgets slowly.
+struct MixedModel {
+  std::uint16_t fast = 32768;  ///< probabilities of a 1 in 1/65536
+  std::uint16_t slow = 32768;
+  std::uint8_t seen = 0;  ///< decisions, saturating; a trained start has some
+
+  std::int32_t odds() const noexcept {
+    return detail::kStretch[(std::uint32_t{fast} + slow) >> 5U];
+  }
+  void update(bool bit) noexcept {
+    const std::int64_t to = bit ? 65535 : 0;
+    const std::int64_t slow_rate = detail::kMixedRates[seen];
+    const std::int64_t fast_rate = detail::kMixedRates[std::min<unsigned>(seen, detail::kMostFast)];
+    fast = static_cast<std::uint16_t>(fast + ((to - fast) * fast_rate >> 16U));
+    slow = static_cast<std::uint16_t>(slow + ((to - slow) * slow_rate >> 16U));
+    seen = static_cast<std::uint8_t>(seen + (seen < detail::kMostSeen ? 1 : 0));
+  }
+};
+
 /// One decision mixed from the models of N contexts.
 template <std::size_t N>
 struct BitMixer {
@@ -62,20 +92,20 @@ struct MixedBit {
   std::uint32_t probability = 32768;
   std::int32_t odds[N] = {};
 
-  MixedBit(const BitMixer<N>& mixer, BitModel* const (&models)[N]) noexcept {
+  MixedBit(const BitMixer<N>& mixer, MixedModel* const (&models)[N]) noexcept {
     std::int64_t sum = 0;
     for (std::size_t i = 0; i < N; ++i) {
-      odds[i] = detail::kStretch[models[i]->probability() >> 4U];
+      odds[i] = models[i]->odds();
       sum += std::int64_t{mixer.weight[i]} * odds[i];
     }
     const auto x = static_cast<std::int32_t>(std::clamp<std::int64_t>(sum >> 16U, -2047, 2047));
     probability = std::clamp<std::uint32_t>(squash(x), 32, 65504);
   }
 
-  void learn(BitMixer<N>& mixer, BitModel* const (&models)[N], bool bit) const noexcept {
+  void learn(BitMixer<N>& mixer, MixedModel* const (&models)[N], bool bit) const noexcept {
     const std::int32_t error = (bit ? 65536 : 0) - static_cast<std::int32_t>(probability);
     for (std::size_t i = 0; i < N; ++i) {
-      const std::int32_t moved = mixer.weight[i] + ((odds[i] * error + 8192) >> 14U);
+      const std::int32_t moved = mixer.weight[i] + ((odds[i] * error + 16384) >> 15U);
       mixer.weight[i] = std::clamp(moved, -BitMixer<N>::kMost, BitMixer<N>::kMost);
       models[i]->update(bit);
     }

@@ -55,6 +55,79 @@ constexpr std::array<std::int8_t, 27> make_window_shift() {
 }
 inline constexpr auto kWindowShift = make_window_shift();
 
+/// What one occupied or unknown child of a neighbour adds to the eight children of the centre
+/// node, a byte each: 3, 2, 1 where they share a face, an edge, a corner.
+constexpr std::uint64_t weights_of(int dx, int dy, int dz, unsigned octant, bool counts) {
+  std::uint64_t sum = 0;
+  const int d[3] = {dx, dy, dz};
+  for (unsigned mine = 0; mine < 8; ++mine) {
+    int far = 0;
+    bool touches = true;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const int gap =
+          2 * d[axis] + static_cast<int>(octant >> axis & 1U) - static_cast<int>(mine >> axis & 1U);
+      touches = touches && gap >= -1 && gap <= 1;
+      far += gap != 0 ? 1 : 0;
+    }
+    if (touches && far > 0)
+      sum += std::uint64_t{counts ? 1U : static_cast<unsigned>(4 - far)} << (8 * mine);
+  }
+  return sum;
+}
+
+/// weights_of the known child `octant` of the neighbour at bit d; at the centre, of a sibling.
+constexpr std::array<std::array<std::uint64_t, 8>, 27> make_known_weights() {
+  std::array<std::array<std::uint64_t, 8>, 27> table{};
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        for (unsigned octant = 0; octant < 8; ++octant)
+          table[pattern_bit(x, y, z)][octant] = weights_of(x, y, z, octant, false);
+  return table;
+}
+inline constexpr auto kKnownWeightsOf = make_known_weights();
+
+/// How many unknown children the neighbour at bit d has beside each of the eight.
+constexpr std::array<std::uint64_t, 27> make_unknown_counts() {
+  std::array<std::uint64_t, 27> table{};
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        for (unsigned octant = 0; octant < 8; ++octant)
+          table[pattern_bit(x, y, z)] += weights_of(x, y, z, octant, true);
+  return table;
+}
+inline constexpr auto kUnknownCountsOf = make_unknown_counts();
+
+/// Powers of three of the axis on which the neighbour at bit d shares a face, else 0.
+constexpr std::array<std::uint8_t, 27> make_face_place() {
+  std::array<std::uint8_t, 27> table{};
+  table[pattern_bit(-1, 0, 0)] = table[pattern_bit(1, 0, 0)] = 1;
+  table[pattern_bit(0, -1, 0)] = table[pattern_bit(0, 1, 0)] = 3;
+  table[pattern_bit(0, 0, -1)] = table[pattern_bit(0, 0, 1)] = 9;
+  return table;
+}
+inline constexpr auto kFacePlace = make_face_place();
+
+/// A byte of 1 for each bit of a mask.
+constexpr std::array<std::uint64_t, 256> make_byte_spread() {
+  std::array<std::uint64_t, 256> table{};
+  for (unsigned mask = 0; mask < 256; ++mask)
+    for (unsigned bit = 0; bit < 8; ++bit)
+      table[mask] |= std::uint64_t{mask >> bit & 1U} << (8 * bit);
+  return table;
+}
+inline constexpr auto kByteSpread = make_byte_spread();
+
+/// Set bits of a byte.
+constexpr std::array<std::uint8_t, 256> make_bit_counts() {
+  std::array<std::uint8_t, 256> table{};
+  for (unsigned mask = 1; mask < 256; ++mask)
+    table[mask] = static_cast<std::uint8_t>(table[mask >> 1U] + (mask & 1U));
+  return table;
+}
+inline constexpr auto kBitCounts = make_bit_counts();
+
 /// Child octant -> its neighbour at bit d: the parent's neighbour and the octant there.
 struct ChildStep {
   std::uint8_t parent, octant;
@@ -112,6 +185,47 @@ inline std::uint32_t pattern_of_child(std::uint64_t window, unsigned octant) noe
   return layer(w) | layer(w >> 16U) << 9U | layer(w >> 32U) << 18U;
 }
 
+/// What is known round the eight children of a node while they are coded, a byte for each.
+class Surroundings {
+ public:
+  /// A neighbour that was coded before: its children are known.
+  void add_known(unsigned d, std::uint32_t mask) noexcept {
+    mask &= detail::kTouching[d];
+    for (std::uint32_t left = mask; left != 0; left &= left - 1)
+      weights_ += detail::kKnownWeightsOf[d][static_cast<unsigned>(std::countr_zero(left))];
+    if (detail::kFacePlace[d] != 0) add_face(d, mask, 2);
+  }
+  /// A neighbour still to come: any of its children may be occupied.
+  void add_unknown(unsigned d) noexcept {
+    unknown_ += detail::kUnknownCountsOf[d];
+    if (detail::kFacePlace[d] != 0) add_face(d, detail::kTouching[d], 1);
+  }
+  /// Child `octant` of the node itself turned out to be occupied.
+  void add_sibling(unsigned octant) noexcept {
+    weights_ += detail::kKnownWeightsOf[kCentreBit][octant];
+  }
+
+  /// 3 for each known and occupied neighbour at a face of the child, 2 edge, 1 corner.
+  unsigned weight(unsigned octant) const noexcept { return byte(weights_, octant); }
+  unsigned unknown(unsigned octant) const noexcept { return byte(unknown_, octant); }
+  /// The three face neighbours outside the node, x lowest: 0 empty, 1 unknown, 2 occupied.
+  unsigned faces(unsigned octant) const noexcept { return byte(faces_, octant); }
+
+ private:
+  static unsigned byte(std::uint64_t bytes, unsigned i) noexcept {
+    return static_cast<unsigned>(bytes >> (8 * i)) & 255U;
+  }
+  // The children across the face from `mask` are those one step towards the neighbour.
+  void add_face(unsigned d, std::uint32_t mask, unsigned state) noexcept {
+    const unsigned place = detail::kFacePlace[d];
+    const unsigned step = place == 1 ? 1 : (place == 3 ? 2 : 4);
+    const std::uint32_t mine = d > kCentreBit ? mask << step : mask >> step;
+    faces_ += detail::kByteSpread[mine & 255U] * (state * place);
+  }
+
+  std::uint64_t weights_ = 0, unknown_ = 0, faces_ = 0;
+};
+
 /// Two levels of nodes, the one being coded and the one below it. Memory from the arena.
 class PointLevels {
  public:
@@ -135,6 +249,7 @@ class PointLevels {
     lower_count_ = 0;
   }
 
+  PlaneCache& planes() noexcept { return planes_; }
   std::span<PointNode> nodes() noexcept { return upper_.first(upper_count_); }
   std::uint32_t below() const noexcept { return lower_count_; }
 
@@ -171,13 +286,12 @@ class PointLevels {
         const auto d = static_cast<unsigned>(std::countr_zero(left));
         const detail::ChildStep step = detail::kChildSteps[octant][d];
         const PointNode& other = upper_[parent.near[step.parent]];
-        child.near[d] =
-            other.child + static_cast<std::uint32_t>(std::popcount(
-                              static_cast<std::uint32_t>(other.mask) & ((1U << step.octant) - 1)));
+        child.near[d] = other.child + detail::kBitCounts[other.mask & ((1U << step.octant) - 1)];
       }
     }
   }
 
+  PlaneCache planes_;
   std::span<PointNode> upper_, lower_;
   std::uint32_t upper_count_ = 0, lower_count_ = 0;
 };

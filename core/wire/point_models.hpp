@@ -18,9 +18,9 @@ inline constexpr std::size_t kPlaneDistances = 16;
 
 /// Models of one kind of level.
 struct OccupancyModels {
-  BitModel faces[kFaceStates][kSiblingStates];
-  BitModel around[kKnownWeights][kUnknownCounts];
-  BitModel plane[kPlaneKinds][kPlaneDistances][3];
+  MixedModel faces[kFaceStates][kSiblingStates];
+  MixedModel around[kKnownWeights][kUnknownCounts];
+  MixedModel plane[kPlaneKinds][kPlaneDistances][3];
 };
 
 inline constexpr std::size_t kSizeSlots = 33;
@@ -32,7 +32,6 @@ struct PointModels {
   BitModel extra_size[kExtraContexts][kSizeSlots];  ///< bit length of a group's extra points, unary
   BitModel extra_top[kSizeSlots];                   ///< the bit below the leading one
 };
-inline constexpr std::size_t kPointModelCount = sizeof(PointModels) / sizeof(BitModel);
 
 /// Weights of the mixed occupancy decisions.
 struct PointMixers {

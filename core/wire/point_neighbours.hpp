@@ -23,8 +23,6 @@ namespace detail {
 /// Sums over the set bits of one 3 x 3 layer.
 struct LayerSums {
   std::int8_t n, x, y, xx, yy, xy;
-  std::uint8_t outer;   ///< 1 corner, 2 beside, 3 middle: of the layers above and below
-  std::uint8_t middle;  ///< 2 corner, 3 beside: of the middle layer, the centre not counted
 };
 
 constexpr std::array<LayerSums, 512> make_layer_sums() {
@@ -34,15 +32,12 @@ constexpr std::array<LayerSums, 512> make_layer_sums() {
     for (int y = -1; y <= 1; ++y) {
       for (int x = -1; x <= 1; ++x) {
         if ((pattern >> static_cast<unsigned>((x + 1) + 3 * (y + 1)) & 1U) == 0) continue;
-        const int far = (x != 0 ? 1 : 0) + (y != 0 ? 1 : 0);
         sums.n = static_cast<std::int8_t>(sums.n + 1);
         sums.x = static_cast<std::int8_t>(sums.x + x);
         sums.y = static_cast<std::int8_t>(sums.y + y);
         sums.xx = static_cast<std::int8_t>(sums.xx + x * x);
         sums.yy = static_cast<std::int8_t>(sums.yy + y * y);
         sums.xy = static_cast<std::int8_t>(sums.xy + x * y);
-        sums.outer = static_cast<std::uint8_t>(sums.outer + 3 - far);
-        sums.middle = static_cast<std::uint8_t>(sums.middle + (far == 0 ? 0 : 4 - far));
       }
     }
   }
@@ -52,35 +47,11 @@ inline constexpr auto kLayerSums = make_layer_sums();
 
 }  // namespace detail
 
-/// Set bits of a 27-bit pattern.
-inline unsigned pattern_count(std::uint32_t p) noexcept {
-  using detail::kLayerSums;
-  return static_cast<unsigned>(kLayerSums[p & 511U].n + kLayerSums[p >> 9U & 511U].n +
-                               kLayerSums[p >> 18U & 511U].n);
-}
-
-/// 3 for each face, 2 for each edge, 1 for each corner set; the centre does not count.
-inline unsigned pattern_weight(std::uint32_t p) noexcept {
-  using detail::kLayerSums;
-  return kLayerSums[p & 511U].outer + kLayerSums[p >> 9U & 511U].middle +
-         kLayerSums[p >> 18U & 511U].outer;
-}
-
 /// A plane through the middles of a node and its neighbours, as seen from the node's children.
 struct NodePlane {
-  std::uint32_t kind = 4;  ///< neighbours * 5 + flatness; flatness 4: no plane
-  std::int32_t at = 0;
-  std::int32_t step[3] = {};
-  std::uint32_t scale = 0;
-
-  /// Distance of child `octant`'s middle in steps of a tenth of a child, L1 normal, 0 .. 15.
-  std::uint32_t distance(unsigned octant) const noexcept {
-    if (scale == 0) return 0;
-    std::int32_t sum = at;
-    for (unsigned axis = 0; axis < 3; ++axis)
-      sum += (octant >> axis & 1U) != 0 ? step[axis] : -step[axis];
-    return std::min<std::uint32_t>(5 * static_cast<std::uint32_t>(std::abs(sum)) / scale, 15);
-  }
+  std::uint8_t kind = 4;  ///< crowd * 5 + flatness; flatness 4: no plane
+  /// Distance of each child's middle in tenths of a child, by the L1 normal, 0 .. 15.
+  std::array<std::uint8_t, 8> distance{};
 };
 
 /// The plane of a node whose neighbours are `pattern` (its own bit is set). Exact integers.
@@ -120,21 +91,42 @@ inline NodePlane node_plane(std::uint32_t pattern) noexcept {
   const std::int64_t l1 = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
   NodePlane plane;
   const std::uint32_t crowd = n < 5 ? 0 : (n < 9 ? 1 : 2);
-  plane.kind = crowd * 5 + 4;
+  plane.kind = static_cast<std::uint8_t>(crowd * 5 + 4);
   if (l1 == 0) return plane;
   const std::int64_t thick = v[0] * (v[0] * cxx + 2 * (v[1] * cxy + v[2] * cxz)) +
                              v[1] * (v[1] * cyy + 2 * v[2] * cyz) + v[2] * v[2] * czz;
   const std::int64_t unit = l1 * l1 * n * n;
-  const std::uint32_t flat = 1000 * thick < 29 * unit    ? 0
-                             : 1000 * thick < 58 * unit  ? 1
-                             : 1000 * thick < 109 * unit ? 2
-                                                         : 3;
-  plane.kind = crowd * 5 + flat;
-  plane.at = static_cast<std::int32_t>(-4 * (v[0] * x + v[1] * y + v[2] * z));
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    plane.step[axis] = static_cast<std::int32_t>(n * v[axis]);
-  plane.scale = static_cast<std::uint32_t>(n * l1);
+  const unsigned flat = 1000 * thick < 29 * unit    ? 0
+                        : 1000 * thick < 58 * unit  ? 1
+                        : 1000 * thick < 109 * unit ? 2
+                                                    : 3;
+  plane.kind = static_cast<std::uint8_t>(crowd * 5 + flat);
+  for (unsigned octant = 0; octant < 8; ++octant) {
+    std::int64_t sum = -4 * (v[0] * x + v[1] * y + v[2] * z);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      sum += (octant >> axis & 1U) != 0 ? n * v[axis] : -n * v[axis];
+    const auto steps =
+        static_cast<std::uint32_t>(5 * std::abs(sum)) / static_cast<std::uint32_t>(n * l1);
+    plane.distance[octant] = static_cast<std::uint8_t>(std::min(steps, 15U));
+  }
   return plane;
 }
+
+/// Planes of the patterns met last; the same ones as node_plane, sooner.
+class PlaneCache {
+ public:
+  const NodePlane& plane(std::uint32_t pattern) noexcept {
+    Entry& entry = entries_[(pattern * 0x9e3779b1U) >> 22U];
+    if (entry.pattern != pattern) entry = {pattern, node_plane(pattern)};
+    return entry.plane;
+  }
+
+ private:
+  struct Entry {
+    std::uint32_t pattern = 0;  ///< 0: none, since a node's own bit is set
+    NodePlane plane;
+  };
+  std::array<Entry, 1024> entries_{};
+};
 
 }  // namespace planecast

@@ -72,28 +72,28 @@ class PointTree {
 
   Status code_children(std::span<PointNode> nodes, std::uint32_t i, unsigned level) noexcept {
     PointNode& node = nodes[i];
-    std::uint64_t known = 0, unknown = 0;
+    Surroundings around;
     for (std::uint32_t left = node.pattern & ~(1U << kCentreBit); left != 0; left &= left - 1) {
       const auto d = static_cast<unsigned>(std::countr_zero(left));
       const std::uint32_t j = node.near[d];
       if (j < i) {
-        add_to_window(known, d, nodes[j].mask);
+        around.add_known(d, nodes[j].mask);
       } else {
-        add_to_window(unknown, d, 255);
+        around.add_unknown(d);
       }
     }
-    const NodePlane plane = node_plane(node.pattern);
+    const NodePlane& plane = levels_.planes().plane(node.pattern);
     OccupancyModels& models = models_.occupancy[level == 0 ? 0 : 1];
     BitMixer<3>& mixer = mixers_.occupancy[level == 0 ? 0 : 1][plane.kind];
     std::uint32_t first = node.first;
     for (unsigned octant = 0; octant < 8; ++octant) {
       bool occupied = !Io::kReads && first < node.end && io_.octant(first, level) == octant;
       if (octant < 7 || node.mask != 0) {
-        BitModel* const contexts[3] = {
-            &models.faces[face_state(known, unknown, octant)][1U << octant | node.mask],
-            &models.around[std::min(pattern_weight(pattern_of_child(known, octant)), 39U)]
-                          [std::min(pattern_count(pattern_of_child(unknown, octant)), 15U)],
-            &models.plane[plane.kind][plane.distance(octant)][sibling_class(node.mask)]};
+        MixedModel* const contexts[3] = {
+            &models.faces[around.faces(octant)][1U << octant | node.mask],
+            &models.around[std::min(around.weight(octant), 39U)]
+                          [std::min(around.unknown(octant), 15U)],
+            &models.plane[plane.kind][plane.distance[octant]][sibling_class(node.mask)]};
         const MixedBit<3> mixed(mixer, contexts);
         occupied = io_.bit_at(mixed.probability, occupied);
         mixed.learn(mixer, contexts, occupied);
@@ -109,28 +109,13 @@ class PointTree {
         child.end = first;
       }
       node.mask = static_cast<std::uint8_t>(node.mask | 1U << octant);
-      known |= std::uint64_t{1} << (window_place(octant) + kChildOrigin);
+      around.add_sibling(octant);
     }
     return Status::kOk;
   }
 
-  // Child 0 stands at (1, 1, 1) of the window.
-  static constexpr unsigned kChildOrigin = 1 + 4 + 16;
-
   static unsigned sibling_class(std::uint32_t mask) noexcept {
-    return mask == 0 ? 0 : ((mask & (mask - 1)) == 0 || std::popcount(mask) == 2 ? 1 : 2);
-  }
-
-  // The three neighbours outside the parent, x lowest: 0 empty, 1 not known yet, 2 occupied.
-  static unsigned face_state(std::uint64_t known, std::uint64_t unknown, unsigned octant) noexcept {
-    const unsigned place = window_place(octant) + kChildOrigin;
-    const auto state = [&](unsigned at) {
-      return static_cast<unsigned>(2 * (known >> at & 1U) + (unknown >> at & 1U));
-    };
-    const unsigned x = (octant & 1U) != 0 ? place + 1 : place - 1;
-    const unsigned y = (octant & 2U) != 0 ? place + 4 : place - 4;
-    const unsigned z = (octant & 4U) != 0 ? place + 16 : place - 16;
-    return state(x) + 3 * state(y) + 9 * state(z);
+    return std::min((detail::kBitCounts[mask] + 1U) / 2U, 2U);  // 0; 1 or 2; more
   }
 
   // Points beyond the first of each cell, by groups, evenly over the cells of a group.
