@@ -233,6 +233,7 @@ class PointLevels {
     const std::uint32_t nodes = max_points < kMaxSliceCells ? max_points : kMaxSliceCells;
     upper_ = arena.take<PointNode>(nodes);
     lower_ = arena.take<PointNode>(nodes);
+    planes_ = arena.take<PlaneCache>(1);
   }
 
   std::uint32_t capacity() const noexcept { return static_cast<std::uint32_t>(upper_.size()); }
@@ -249,7 +250,7 @@ class PointLevels {
     lower_count_ = 0;
   }
 
-  PlaneCache& planes() noexcept { return planes_; }
+  PlaneCache& planes() noexcept { return planes_[0]; }
   std::span<PointNode> nodes() noexcept { return upper_.first(upper_count_); }
   std::uint32_t below() const noexcept { return lower_count_; }
 
@@ -291,7 +292,7 @@ class PointLevels {
     }
   }
 
-  PlaneCache planes_;
+  std::span<PlaneCache> planes_;  ///< one
   std::span<PointNode> upper_, lower_;
   std::uint32_t upper_count_ = 0, lower_count_ = 0;
 };

@@ -1,4 +1,5 @@
-// Probability models of a coded point slice (docs/wire-format.md, "Point tile").
+// Probability models of a coded point slice (docs/wire-format.md, "Point
+// tile").
 #pragma once
 
 #include <cstddef>
@@ -29,7 +30,8 @@ inline constexpr std::size_t kExtraContexts = 20;
 struct PointModels {
   OccupancyModels occupancy[2];                     ///< the last level, and those above
   BitModel single[32];                              ///< a lone node holds one point, by level
-  BitModel extra_size[kExtraContexts][kSizeSlots];  ///< bit length of a group's extra points, unary
+  BitModel extra_size[kExtraContexts][kSizeSlots];  ///< bit length of a group's
+                                                    ///< extra points, unary
   BitModel extra_top[kSizeSlots];                   ///< the bit below the leading one
 };
 
@@ -37,5 +39,15 @@ struct PointModels {
 struct PointMixers {
   BitMixer<3> occupancy[2][kPlaneKinds];
 };
+
+inline constexpr std::size_t kOccupancyModelCount =
+    2 * sizeof(OccupancyModels) / sizeof(MixedModel);
+inline constexpr std::size_t kCountModelCount =
+    (sizeof(PointModels) - 2 * sizeof(OccupancyModels)) / sizeof(BitModel);
+inline constexpr std::size_t kPointWeightCount = sizeof(PointMixers) / sizeof(std::int32_t);
+
+/// What every slice starts from, trained by bench/train_points.
+const PointModels& trained_point_models() noexcept;
+const PointMixers& trained_point_mixers() noexcept;
 
 }  // namespace planecast

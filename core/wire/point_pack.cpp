@@ -162,6 +162,7 @@ void PointFramePacker::layout(Arena& arena, std::uint32_t max_points) noexcept {
   keys_ = arena.take<ZKey>(max_points);
   spare_ = arena.take<ZKey>(max_points);
   levels_.layout(arena, max_points);
+  models_ = arena.take<PointModels>(1);
 }
 
 Status PointFramePacker::pack(const PointCoding& coding, std::span<const GridPoint> points,
@@ -267,9 +268,9 @@ bool PointFramePacker::code_tree(const Job& job, std::span<const ZKey> cells,
   io.raw(depth, 6);
   const unsigned group = job.coding.lossless() ? 0 : 3;
   io.raw(group, 2);
-  models_ = PointModels{};
-  mixers_ = PointMixers{};
-  PointTree<EncodeIo> tree(io, models_, mixers_, levels_);
+  models_[0] = trained_point_models();
+  mixers_ = trained_point_mixers();
+  PointTree<EncodeIo> tree(io, models_[0], mixers_, levels_);
   const auto count = static_cast<std::uint32_t>(cells.size());
   if (tree.code(depth, group, points, count) != Status::kOk) return false;
   bytes = coder.finish();

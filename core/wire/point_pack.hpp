@@ -72,7 +72,7 @@ class PointFramePacker {
   std::uint32_t cell_count_ = 0;
   std::uint32_t cell_bits_q4_ = 4 * 16;  ///< measured bits of a cell, for the next slice's length
   PointLevels levels_;
-  PointModels models_;
+  std::span<PointModels> models_;  ///< one
   PointMixers mixers_;
 };
 

@@ -97,6 +97,7 @@ class PointTree {
         const MixedBit<3> mixed(mixer, contexts);
         occupied = io_.bit_at(mixed.probability, occupied);
         mixed.learn(mixer, contexts, occupied);
+        if constexpr (requires { io_.watch(contexts, occupied); }) io_.watch(contexts, occupied);
       } else {
         occupied = true;  // a node has a child
       }

@@ -62,6 +62,7 @@ Status point_slice_kind(std::span<const std::uint8_t> packet, PointSliceKind& ki
 
 void PointFrameUnpacker::layout(Arena& arena, std::uint32_t max_points) noexcept {
   levels_.layout(arena, max_points);
+  models_ = arena.take<PointModels>(1);
 }
 
 Status PointFrameUnpacker::unpack_slice(const PointCoding& coding, std::uint32_t key_hash,
@@ -97,9 +98,9 @@ template <class Io>
 Status PointFrameUnpacker::unpack_tree(Io& io) noexcept {
   const std::uint32_t depth = io.raw(0, 6), group = io.raw(0, 2);
   if (depth > 32) return Status::kFieldRange;
-  models_ = PointModels{};
-  mixers_ = PointMixers{};
-  PointTree<Io> tree(io, models_, mixers_, levels_);
+  models_[0] = trained_point_models();
+  mixers_ = trained_point_mixers();
+  PointTree<Io> tree(io, models_[0], mixers_, levels_);
   return tree.code(depth, group, static_cast<std::uint32_t>(io.room.size()), 0);
 }
 

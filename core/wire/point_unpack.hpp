@@ -37,7 +37,7 @@ class PointFrameUnpacker {
   Status unpack_tree(Io& io) noexcept;
 
   PointLevels levels_;
-  PointModels models_;
+  std::span<PointModels> models_;  ///< one
   PointMixers mixers_;
 };
 
