@@ -138,9 +138,9 @@ inline Points cloud(const std::string& name, std::size_t n, std::int32_t size, u
     if (name == "sphere") {
       const double length =
           std::max(1.0, std::sqrt(double(p.x) * p.x + double(p.y) * p.y + double(p.z) * p.z));
-      p = {static_cast<std::int32_t>(p.x * size / length),
-           static_cast<std::int32_t>(p.y * size / length),
-           static_cast<std::int32_t>(p.z * size / length)};
+      const double scale = size / length;
+      p = {static_cast<std::int32_t>(p.x * scale), static_cast<std::int32_t>(p.y * scale),
+           static_cast<std::int32_t>(p.z * scale)};
     }
     if (name == "line") p = {p.x, p.x / 2, -p.x};
     if (name == "equal") p = {size, -size, 7};

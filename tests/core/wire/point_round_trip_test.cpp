@@ -36,14 +36,14 @@ TEST(PointRoundTrip, BoundHoldsBothWaysForCloudsOfEverySort) {
   unsigned seed = 1;
   for (const std::string& name : cloud_names())
     for (const std::uint32_t tolerance : {1U, 2U, 9U, 100U, 5000U})
-      expect_contract(cloud(name, 1500, 20000, ++seed), tolerance, 1200, name);
+      expect_contract(cloud(name, 700, 20000, ++seed), tolerance, 1200, name);
 }
 
 TEST(PointRoundTrip, LosslessGivesTheSameMultiset) {
   unsigned seed = 100;
   for (const std::string& name : cloud_names())
     for (const std::int32_t size : {2, 300, 1000000})
-      expect_contract(cloud(name, 4000, size, ++seed), 0, 1200, name);
+      expect_contract(cloud(name, 2000, size, ++seed), 0, 1200, name);
 }
 
 TEST(PointRoundTrip, SlicesOfEverySizeKeepTheContract) {
@@ -51,7 +51,7 @@ TEST(PointRoundTrip, SlicesOfEverySizeKeepTheContract) {
   for (const std::string& name : cloud_names())
     for (const std::size_t slice : {kMinPointSliceBytes, std::size_t{500}, kFileSliceBytes})
       for (const std::uint32_t tolerance : {0U, 50U})
-        expect_contract(cloud(name, 1500, 5000, ++seed), tolerance, slice, name);
+        expect_contract(cloud(name, 700, 5000, ++seed), tolerance, slice, name);
 }
 
 TEST(PointRoundTrip, FewPointsWork) {

@@ -17,7 +17,9 @@ bool before(const ZKey& a, const ZKey& b) {
 TEST(ZOrder, KeysGiveBackTheirCells) {
   std::mt19937 random(1);
   for (int i = 0; i < 2000; ++i) {
-    const std::uint32_t x = random() >> (i % 32), y = random() >> (i / 7 % 32), z = random();
+    const auto x = static_cast<std::uint32_t>(random() >> (i % 32));
+    const auto y = static_cast<std::uint32_t>(random() >> (i / 7 % 32));
+    const auto z = static_cast<std::uint32_t>(random());
     const ZKey key = z_key(x, y, z, 5);
     EXPECT_EQ(z_cell(key), (std::array{x, y, z}));
     std::array<std::uint32_t, 3> cell{};
@@ -40,8 +42,11 @@ TEST(ZOrder, SortsAsStdSortDoesAndKeepsEqualCellsInOrder) {
   std::mt19937 random(2);
   for (const unsigned shift : {0U, 12U, 29U}) {
     std::vector<ZKey> keys, spare(3000);
-    for (std::uint32_t i = 0; i < spare.size(); ++i)
-      keys.push_back(z_key(random() >> shift, random() >> shift, random() >> shift, i));
+    for (std::uint32_t i = 0; i < spare.size(); ++i) {
+      const auto next = [&] { return static_cast<std::uint32_t>(random() >> shift); };
+      const std::uint32_t x = next(), y = next(), z = next();
+      keys.push_back(z_key(x, y, z, i));
+    }
     std::vector<ZKey> expected = keys;
     std::stable_sort(expected.begin(), expected.end(), before);
     sort_z_keys(keys, spare);
