@@ -7,18 +7,14 @@
 #include <cstdio>
 #include <ctime>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/arena.hpp"
-#include "core/filter/statistical_outliers.hpp"
-#include "core/fit/point_planes.hpp"
-#include "core/hull/occupancy_hull.hpp"
 #include "core/io/point_file.hpp"
 #include "core/metrics/distance.hpp"
+#include "core/pipeline/point_surfaces.hpp"
 #include "core/regen/patch_fill.hpp"
-#include "core/search/point_neighbours.hpp"
-#include "core/segment/point_normals.hpp"
-#include "core/segment/point_region_growing.hpp"
 #include "core/wire/patch_pack.hpp"
 #include "core/wire/patch_unpack.hpp"
 
@@ -27,14 +23,11 @@ namespace {
 
 struct Settings {
   std::vector<std::string> files;
-  double units = 1, alpha = 0.02, deviations = 1.0;
-  std::uint32_t k = 30;
+  double units = 1, alpha = 0.02;
   std::size_t slice_bytes = 1200;
-  std::string picture;
+  std::string dump;
   PointStream stream;
-  PointRegionOptions regions;
-  PointPlaneOptions planes;
-  HullOptions hull;
+  PointSurfaceOptions surfaces;
   PatchPackOptions pack;
 };
 
@@ -63,32 +56,14 @@ class StepClock {
 };
 
 struct Chain {
-  PointNeighbours search;
-  PointRegionGrowing growing;
-  PointPlaneFitter fitter;
+  PointSurfaces surfaces;
   PatchPacker packer;
-  std::span<std::uint8_t> removed;
-  PointNormals normals;
-  std::span<std::uint32_t> regions, members;
-  std::span<PointPlane> planes;
-  std::span<DraftCell> cells;
-  std::span<PatchDraft> drafts;
   std::span<std::uint8_t> packed;
   std::span<SlicePlace> places;
 
-  void layout(Arena& arena, std::uint32_t n, std::uint32_t k, std::uint32_t most_planes) {
-    search.layout(arena, n, k);
-    growing.layout(arena, n);
-    fitter.layout(arena, n);
+  void layout(Arena& arena, std::uint32_t n, const PointSurfaceOptions& options) {
+    surfaces.layout(arena, n, options);
     packer.layout(arena);
-    removed = arena.take<std::uint8_t>(n);
-    normals = {arena.take<float>(n), arena.take<float>(n), arena.take<float>(n),
-               arena.take<float>(n)};
-    regions = arena.take<std::uint32_t>(n);
-    members = arena.take<std::uint32_t>(n);
-    planes = arena.take<PointPlane>(most_planes);
-    cells = arena.take<DraftCell>(hull_cells(n, most_planes));
-    drafts = arena.take<PatchDraft>(most_planes);
     packed = arena.take<std::uint8_t>(std::size_t{n} * 8 + 65536);
     places = arena.take<SlicePlace>(65535);
   }
@@ -137,6 +112,19 @@ void report_errors(const char* name, const std::vector<Point3f>& a, const std::v
               d.d1_ab * 1e3, d.hausdorff_ab * 1e3, d.d1_ba * 1e3, d.hausdorff_ba * 1e3);
 }
 
+bool dump(const std::string& prefix, const std::vector<Point3f>& points,
+          std::span<const PointRole> roles, const std::vector<Point3f>& out) {
+  std::FILE* kept_file = std::fopen((prefix + "-kept.txt").c_str(), "w");
+  std::FILE* out_file = std::fopen((prefix + "-out.txt").c_str(), "w");
+  if (kept_file == nullptr || out_file == nullptr) return false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::fprintf(kept_file, "%.5f %.5f %.5f %d\n", points[i].x, points[i].y, points[i].z,
+                 static_cast<int>(roles[i]));
+  }
+  for (const Point3f& p : out) std::fprintf(out_file, "%.5f %.5f %.5f\n", p.x, p.y, p.z);
+  return std::fclose(kept_file) + std::fclose(out_file) == 0;
+}
+
 int run_file(const std::string& file, const Settings& s) {
   const auto read = read_point_file(file);
   if (!read.ok()) {
@@ -145,51 +133,25 @@ int run_file(const std::string& file, const Settings& s) {
   }
   const std::vector<Point3f> points = finite_points(read.value(), s.units);
   const auto n = static_cast<std::uint32_t>(points.size());
-  const std::uint32_t most_planes = n / s.planes.min_points + 1;
   Chain c;
   Arena measure = Arena::measuring();
-  c.layout(measure, n, s.k, most_planes);
+  c.layout(measure, n, s.surfaces);
   auto mapped = Arena::map(measure.bytes_needed());
   if (!mapped.ok()) return 1;
-  c.layout(mapped.value(), n, s.k, most_planes);
+  c.layout(mapped.value(), n, s.surfaces);
   std::printf("%s: %u points, %.0f bytes of memory a point\n", file.c_str(), n,
               static_cast<double>(measure.bytes_needed()) / n);
-
-  const double unit_m = patch_unit_m(s.stream);
+  PointSurfaces& found = c.surfaces;
   StepClock clock(n);
-  if (failed("search", c.search.search(points, s.k, 1e6F))) return 1;
-  clock.step("neighbours");
-  const std::uint32_t m = c.search.size();
-  StatisticalCut cut;
-  if (failed("outliers", flag_statistical_outliers(c.search.mean_distance(), s.deviations,
-                                                   c.removed.first(m), cut)))
-    return 1;
-  clock.step("outliers");
-  const PointNormals normals{c.normals.x.first(m), c.normals.y.first(m), c.normals.z.first(m),
-                             c.normals.curvature.first(m)};
-  if (failed("normals", estimate_normals(c.search, c.removed.first(m), normals))) return 1;
-  clock.step("normals");
-  PointRegionReport regions;
-  if (failed("regions", c.growing.grow(c.search, normals, s.regions, c.regions.first(m), regions)))
-    return 1;
-  clock.step("regions");
-  const PointColumns columns{c.search.x(), c.search.y(), c.search.z()};
-  std::uint32_t planes = 0, kept = 0;
-  if (failed("planes", c.fitter.fit(columns, c.regions.first(m), regions.regions, s.planes,
-                                    c.planes, planes, c.members, kept)))
-    return 1;
-  clock.step("planes");
-  std::size_t used = 0;
-  for (std::uint32_t p = 0; p < planes; ++p) {
-    const PointPlane& plane = c.planes[p];
-    if (failed("hull", make_hull(plane, c.members.subspan(plane.first, plane.count), columns,
-                                 unit_m, s.hull, c.cells, used, c.drafts[p])))
-      return 1;
-  }
-  clock.step("hull");
+  if (failed("filter", found.filter(points, s.surfaces))) return 1;
+  clock.step("filter");
+  if (failed("segment", found.segment(points, s.surfaces))) return 1;
+  clock.step("segment");
+  if (failed("fit", found.fit(points, s.surfaces))) return 1;
+  clock.step("fit");
   FrameReport report;
-  if (failed("pack", c.packer.pack(c.drafts.first(planes), c.cells.first(used), s.pack,
-                                   s.slice_bytes, c.packed, c.places, report)))
+  if (failed("pack", c.packer.pack(found.drafts(), found.cells(), s.pack, s.slice_bytes, c.packed,
+                                   c.places, report)))
     return 1;
   clock.step("pack");
 
@@ -219,20 +181,25 @@ int run_file(const std::string& file, const Settings& s) {
   clock.step("decode");
 
   std::vector<Point3f> kept_points;
-  for (const std::uint32_t place : c.members.first(kept))
-    kept_points.push_back(points[c.search.source()[place]]);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (found.roles()[i] == PointRole::kOnSurface) kept_points.push_back(points[i]);
+  }
+  if (!s.dump.empty() && !dump(s.dump, points, found.roles(), out)) return 1;
+  const PointRegionReport& regions = found.regions();
   std::printf(
       "  chain %.3f us/point; outliers %.1f %%, clusters %u, regions %u, planes %u (%.2f a "
       "region), intra %.2f mm, inter %.2f mm\n",
-      clock.total_us(), 100.0 * cut.outliers / n, regions.clusters, regions.regions, planes,
-      regions.regions > 0 ? static_cast<double>(planes) / regions.regions : 0.0,
+      clock.total_us(), 100.0 * found.cut().outliers / n, regions.clusters, regions.regions,
+      found.planes(),
+      regions.regions > 0 ? static_cast<double>(found.planes()) / regions.regions : 0.0,
       regions.intra_distance * 1e3, regions.inter_distance * 1e3);
+  const std::uint32_t kept = found.on_surface();
   std::printf("  kept %u of %u points (%.1f %%), %zu out; %u patches, %u slices, %zu bytes\n", kept,
               n, 100.0 * kept / n, next, report.surfaces, report.slices, report.bytes);
   std::printf("  bits/point: packed %.3f (of those kept %.3f); outlines as float32 %.3f\n",
               8.0 * static_cast<double>(report.bytes) / n,
               8.0 * static_cast<double>(report.bytes) / kept,
-              static_cast<double>(outline_bits(c.drafts.first(planes), c.cells)) / n);
+              static_cast<double>(outline_bits(found.drafts(), found.cells())) / n);
   if (kept == 0) return 0;
   report_errors("kept", kept_points, out);
   report_errors("original", points, out);
@@ -242,27 +209,38 @@ int run_file(const std::string& file, const Settings& s) {
 int run(int argc, char** argv) {
   CLI::App app{"The paper's chain on point files, step by step."};
   Settings s;
-  bool absolute = false, random = false;
+  bool absolute = false, random = false, voxels = false;
+  // Before the options that overwrite it: what the method's own are.
+  for (int i = 1; i < argc; ++i) voxels |= std::string_view(argv[i]) == "--voxels";
+  PointSurfaceOptions& o = s.surfaces =
+      point_surface_defaults(voxels ? PointMethod::kVoxels : PointMethod::kPaper, s.alpha);
   app.add_option("files", s.files, "point files")->required();
   app.add_option("--units", s.units, "metres in a unit of the files");
   app.add_option("--alpha", s.alpha, "pitch of the boundary [m]");
-  app.add_option("--k", s.k, "neighbours");
-  app.add_option("--deviations", s.deviations, "of the outlier filter");
-  app.add_option("--smoothness", s.regions.smoothness_deg, "[degrees]");
-  app.add_option("--curvature", s.regions.curvature_limit, "limit of the curvature test");
+  app.add_flag("--voxels", voxels, "regions over voxels, not the paper's");
+  app.add_option("--k", o.neighbours, "neighbours");
+  app.add_option("--deviations", o.outlier_deviations, "of the outlier filter");
+  app.add_option("--smoothness", o.regions.smoothness_deg, "[degrees]");
+  app.add_option("--curvature", o.regions.curvature_limit, "limit of the curvature test");
   app.add_flag("--absolute", absolute, "PCL's curvature test");
-  app.add_option("--min-points", s.planes.min_points, "of a region and of a plane");
-  app.add_option("--distance", s.planes.distance_m, "of a plane's points [m]");
-  app.add_option("--points-per-cell", s.hull.points_per_cell, "");
-  app.add_option("--closing", s.hull.closing_rounds, "rounds");
-  app.add_option("--height-log2", s.pack.height_log2, "");
-  app.add_option("--slice-bytes", s.slice_bytes, "");
+  app.add_option("--min-points", o.planes.min_points, "of a region and of a plane");
+  app.add_option("--distance", o.planes.distance_m, "of a plane's points [m]");
+  app.add_option("--voxel", o.voxels.voxel_m, "side [m]");
+  app.add_option("--points-per-voxel", o.voxels.points_per_voxel, "on average, at least");
+  app.add_option("--voxel-smoothness", o.voxels.smoothness_deg, "[degrees]");
+  app.add_option("--roughness", o.voxels.roughness, "curvature of a voxel");
+  app.add_option("--points-per-cell", o.hull.points_per_cell, "of the boundary, at least");
+  app.add_option("--least-points", o.hull.least_points, "of a part of a plane");
+  app.add_option("--closing", o.hull.closing_rounds, "rounds");
+  app.add_option("--height-log2", s.pack.height_log2, "steps of a surface's height");
+  app.add_option("--slice-bytes", s.slice_bytes, "most bytes of a slice");
   app.add_flag("--random", random, "random points, as the paper");
+  app.add_option("--dump", s.dump, "writes PREFIX-kept.txt (x y z role) and PREFIX-out.txt");
   CLI11_PARSE(app, argc, argv);
-  if (absolute) s.regions.test = CurvatureTest::kAbsolute;
-  s.regions.min_points = s.planes.min_points;
+  if (absolute) o.regions.test = CurvatureTest::kAbsolute;
+  o.regions.min_points = o.voxels.min_points = o.planes.min_points;
   s.stream.fill = random ? FillMode::kRandom : FillMode::kLattice;
-  s.stream.patch_unit_nm = patch_unit_nm(s.alpha);
+  s.stream.patch_unit_nm = o.patch_unit_nm = patch_unit_nm(s.alpha);
   int worst = 0;
   for (const std::string& file : s.files) worst = std::max(worst, run_file(file, s));
   return worst;

@@ -12,20 +12,35 @@
 namespace planecast {
 
 struct HullOptions {
-  double points_per_cell = 4.0;      ///< the pitch is doubled until occupied cells hold as many
-  std::uint32_t closing_rounds = 2;  ///< rounds in which cells amid occupied ones are taken in
+  double points_per_cell = 1.5;      ///< the pitch is doubled until occupied cells hold as many
+  std::uint32_t closing_rounds = 1;  ///< rounds in which cells amid occupied ones are taken in
+  std::uint32_t least_points = 16;   ///< of a part of a plane that lies far apart; 2 or more
 };
 
-/// Cells that the hulls of planes of `points` points in all can never exceed.
-std::size_t hull_cells(std::uint32_t points, std::uint32_t planes) noexcept;
+/// Cells and drafts that the hulls of planes of `points` points in all can never exceed.
+std::size_t hull_cells(std::uint32_t points, std::uint32_t planes,
+                       const HullOptions& options) noexcept;
+std::size_t hull_drafts(std::uint32_t points, std::uint32_t planes,
+                        const HullOptions& options) noexcept;
 
-/// Makes `draft` of a plane and its members (places in `points`); its cells are appended to `cells`
-/// behind `used`, which grows. Every member lies in a cell that is inside. The pitch is alpha
-/// (2^kAlphaPitchLog2 steps of `unit_m`) or, where points lie too far apart for that, alpha times a
-/// power of two. kFieldRange: no members, or one beyond the format's coordinates; kTooLarge:
-/// `cells` is full. O(members + cells), no allocation.
-Status make_hull(const PointPlane& plane, std::span<const std::uint32_t> members,
-                 const PointColumns& points, double unit_m, const HullOptions& options,
-                 std::span<DraftCell> cells, std::size_t& used, PatchDraft& draft) noexcept;
+/// Where make_hulls() puts what it makes: memory of the caller's, and how much of it is in use.
+struct HullOutput {
+  std::span<DraftCell> cells;
+  std::span<PatchDraft> drafts;
+  std::size_t cells_used = 0;
+  std::uint32_t drafts_used = 0;
+};
+
+/// Makes drafts of a plane and its `members` (places in `points`), appended to `output`. A plane
+/// whose points fill little of their rectangle (a strip across it, islands far apart) is cut into
+/// parts, a draft each. Points of parts with fewer than least_points (all points where the plane
+/// itself has fewer count) and of cells that touch no other are left out: `members` is reordered so
+/// that the `kept` ones stand first. Every one of these lies in a cell that is inside. The pitch is
+/// alpha (2^kAlphaPitchLog2 steps of `unit_m`) or, where points lie too far apart for that, alpha
+/// times a power of two. kFieldRange: a member beyond the format's coordinates; kTooLarge: output
+/// is full; kBadConfig: options. O(members log members + cells), no allocation.
+Status make_hulls(const PointPlane& plane, std::span<std::uint32_t> members,
+                  const PointColumns& points, double unit_m, const HullOptions& options,
+                  HullOutput& output, std::uint32_t& kept) noexcept;
 
 }  // namespace planecast
