@@ -112,7 +112,9 @@ for name in "${names[@]}"; do
         "$build/tests/golden/golden_test" --gtest_brief=1
       else
         cmake --build "$build" -j "$jobs" --target $(all_tests)
+        cmake --build "$build" -j "$jobs" --target board_decode board_encode
         ctest --test-dir "$build" -j "$jobs" --output-on-failure --no-tests=error
+        tests/embedded/sizes.sh --build "$base/sizes"
       fi
       ;;
   esac
