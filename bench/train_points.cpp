@@ -112,7 +112,7 @@ struct Training {
   }
 };
 
-// Decisions seen by class; as in point_models.cpp.
+// Trust by class, which point_models.cpp unfolds.
 template <std::size_t N>
 std::string starts(const std::vector<Tally>& tallies, const int (&classes)[N]) {
   std::string text;

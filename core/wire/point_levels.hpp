@@ -21,8 +21,6 @@ struct PointNode {
   std::uint32_t first = 0;            ///< encoder: its cells
   std::uint32_t end = 0;
   std::uint32_t pattern = 0;  ///< which neighbours are occupied; its own bit is set
-  std::uint32_t child = 0;    ///< index of its first child on the next level
-  std::uint8_t mask = 0;      ///< its occupied children
   std::uint32_t near[27];     ///< indices of the neighbours in `pattern`
 };
 
@@ -233,6 +231,8 @@ class PointLevels {
     const std::uint32_t nodes = max_points < kMaxSliceCells ? max_points : kMaxSliceCells;
     upper_ = arena.take<PointNode>(nodes);
     lower_ = arena.take<PointNode>(nodes);
+    children_ = arena.take<std::uint32_t>(nodes);
+    masks_ = arena.take<std::uint8_t>(nodes);
     planes_ = arena.take<PlaneCache>(1);
   }
 
@@ -252,6 +252,13 @@ class PointLevels {
 
   PlaneCache& planes() noexcept { return planes_[0]; }
   std::span<PointNode> nodes() noexcept { return upper_.first(upper_count_); }
+  /// The occupied children of node `i`, once it is coded.
+  std::uint32_t mask(std::uint32_t i) const noexcept { return masks_[i]; }
+  /// Node `i` has the children `mask`, of which the first is `first` on the level below.
+  void set_children(std::uint32_t i, std::uint32_t first, std::uint32_t mask) noexcept {
+    children_[i] = first;
+    masks_[i] = static_cast<std::uint8_t>(mask);
+  }
   std::uint32_t below() const noexcept { return lower_count_; }
 
   /// Appends child `octant` of `parent`; needs below() < capacity().
@@ -265,35 +272,41 @@ class PointLevels {
   /// Makes the level below the current one; with `linked`, its nodes learn their neighbours.
   void descend(bool linked) noexcept {
     if (linked)
-      for (const PointNode& parent : nodes()) link_children(parent);
+      for (std::uint32_t i = 0; i < upper_count_; ++i) link_children(i);
     std::swap(upper_, lower_);
     upper_count_ = lower_count_;
     lower_count_ = 0;
   }
 
  private:
-  void link_children(const PointNode& parent) noexcept {
+  void link_children(std::uint32_t i) noexcept {
+    if (masks_[i] == 0) return;
+    const PointNode& parent = upper_[i];
     std::uint64_t window = 0;
     for (std::uint32_t left = parent.pattern; left != 0; left &= left - 1) {
       const auto d = static_cast<unsigned>(std::countr_zero(left));
-      add_to_window(window, d, upper_[parent.near[d]].mask);
+      add_to_window(window, d, masks_[parent.near[d]]);
     }
-    std::uint32_t next = parent.child;
+    std::uint32_t next = children_[i];
     for (unsigned octant = 0; octant < 8; ++octant) {
-      if ((parent.mask >> octant & 1U) == 0) continue;
+      if ((masks_[i] >> octant & 1U) == 0) continue;
       PointNode& child = lower_[next++];
       child.pattern = pattern_of_child(window, octant);
       for (std::uint32_t left = child.pattern; left != 0; left &= left - 1) {
         const auto d = static_cast<unsigned>(std::countr_zero(left));
         const detail::ChildStep step = detail::kChildSteps[octant][d];
-        const PointNode& other = upper_[parent.near[step.parent]];
-        child.near[d] = other.child + detail::kBitCounts[other.mask & ((1U << step.octant) - 1)];
+        const std::uint32_t other = parent.near[step.parent];
+        child.near[d] =
+            children_[other] + detail::kBitCounts[masks_[other] & ((1U << step.octant) - 1)];
       }
     }
   }
 
   std::span<PlaneCache> planes_;  ///< one
   std::span<PointNode> upper_, lower_;
+  // Of the upper level; apart from the nodes, since neighbours are looked up all over.
+  std::span<std::uint32_t> children_;
+  std::span<std::uint8_t> masks_;
   std::uint32_t upper_count_ = 0, lower_count_ = 0;
 };
 

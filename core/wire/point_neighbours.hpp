@@ -101,13 +101,16 @@ inline NodePlane node_plane(std::uint32_t pattern) noexcept {
                         : 1000 * thick < 109 * unit ? 2
                                                     : 3;
   plane.kind = static_cast<std::uint8_t>(crowd * 5 + flat);
+  // floor(5 |sum| / scale), at most 15: by the reciprocal, exact since 15 scale^2 < 2^45.
+  const auto scale = static_cast<std::uint64_t>(n * l1);
+  const std::uint64_t reciprocal = (std::uint64_t{1} << 45U) / scale + 1;
   for (unsigned octant = 0; octant < 8; ++octant) {
     std::int64_t sum = -4 * (v[0] * x + v[1] * y + v[2] * z);
     for (std::size_t axis = 0; axis < 3; ++axis)
       sum += (octant >> axis & 1U) != 0 ? n * v[axis] : -n * v[axis];
-    const auto steps =
-        static_cast<std::uint32_t>(5 * std::abs(sum)) / static_cast<std::uint32_t>(n * l1);
-    plane.distance[octant] = static_cast<std::uint8_t>(std::min(steps, 15U));
+    const auto far = static_cast<std::uint64_t>(5 * std::abs(sum));
+    const std::uint64_t steps = far >= 15 * scale ? 15 : (far * reciprocal) >> 45U;
+    plane.distance[octant] = static_cast<std::uint8_t>(steps);
   }
   return plane;
 }

@@ -44,9 +44,8 @@ class PointTree {
   Status code_level(unsigned level) noexcept {
     const auto nodes = levels_.nodes();
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-      PointNode& node = nodes[i];
-      node.child = levels_.below();
-      node.mask = 0;
+      const PointNode& node = nodes[i];
+      levels_.set_children(i, 0, 0);
       if (level > 0 && node.pattern == 1U << kCentreBit) {
         const bool single = !Io::kReads && node.end - node.first == 1 && io_.count(node.first) == 1;
         if (io_.bit(models_.single[std::min(level, 31U)], single)) {
@@ -71,13 +70,13 @@ class PointTree {
   }
 
   Status code_children(std::span<PointNode> nodes, std::uint32_t i, unsigned level) noexcept {
-    PointNode& node = nodes[i];
+    const PointNode& node = nodes[i];
     Surroundings around;
     for (std::uint32_t left = node.pattern & ~(1U << kCentreBit); left != 0; left &= left - 1) {
       const auto d = static_cast<unsigned>(std::countr_zero(left));
       const std::uint32_t j = node.near[d];
       if (j < i) {
-        around.add_known(d, nodes[j].mask);
+        around.add_known(d, levels_.mask(j));
       } else {
         around.add_unknown(d);
       }
@@ -85,15 +84,17 @@ class PointTree {
     const NodePlane& plane = levels_.planes().plane(node.pattern);
     OccupancyModels& models = models_.occupancy[level == 0 ? 0 : 1];
     BitMixer<3>& mixer = mixers_.occupancy[level == 0 ? 0 : 1][plane.kind];
+    const std::uint32_t first_child = levels_.below();
+    std::uint32_t mask = 0;
     std::uint32_t first = node.first;
     for (unsigned octant = 0; octant < 8; ++octant) {
       bool occupied = !Io::kReads && first < node.end && io_.octant(first, level) == octant;
-      if (octant < 7 || node.mask != 0) {
+      if (octant < 7 || mask != 0) {
         MixedModel* const contexts[3] = {
-            &models.faces[around.faces(octant)][1U << octant | node.mask],
+            &models.faces[around.faces(octant)][1U << octant | mask],
             &models.around[std::min(around.weight(octant), 39U)]
                           [std::min(around.unknown(octant), 15U)],
-            &models.plane[plane.kind][plane.distance[octant]][sibling_class(node.mask)]};
+            &models.plane[plane.kind][plane.distance[octant]][sibling_class(mask)]};
         const MixedBit<3> mixed(mixer, contexts);
         occupied = io_.bit_at(mixed.probability, occupied);
         mixed.learn(mixer, contexts, occupied);
@@ -109,9 +110,10 @@ class PointTree {
         while (first < node.end && io_.octant(first, level) == octant) ++first;
         child.end = first;
       }
-      node.mask = static_cast<std::uint8_t>(node.mask | 1U << octant);
+      mask |= 1U << octant;
       around.add_sibling(octant);
     }
+    levels_.set_children(i, first_child, mask);
     return Status::kOk;
   }
 
