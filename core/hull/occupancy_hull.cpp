@@ -148,16 +148,22 @@ class HullMaker {
             HullOutput& output) noexcept
       : grid_(grid), options_(options), least_(least), output_(output) {}
 
-  /// A draft of the part, or the part in two (`cut` of them in the first); neither (draft false,
-  /// cut 0) when it has too few points. Members that the draft leaves out come last.
+  /// A draft of the part, or the part in two (`cut` of them in the first); neither (kept 0, cut 0)
+  /// when it has too few points. Members that the draft leaves out come last.
   Status make(std::span<std::uint32_t> part, std::size_t& cut, std::size_t& kept) noexcept {
     cut = kept = 0;
     if (part.size() < least_) return Status::kOk;
     PatchDraft draft = grid_.model();
     const Range u = grid_.range(true, part), v = grid_.range(false, part);
-    place(u, v, draft);
-    const std::size_t most = std::size_t{kCellsPerPoint} * part.size() + kLeastCells;
-    if (std::size_t{draft.wide} * draft.high > most) {
+    std::span<DraftCell> cells;
+    std::uint32_t occupied = 0;
+    if (const Status status = occupy(part, u, v, draft, cells, occupied); status != Status::kOk)
+      return status;
+    // Cells that are wide only because the rectangle is, and hold many points each: a strip across
+    // it, or islands far apart. In halves of the rectangle they can be finer.
+    const bool crowded =
+        occupied * 1.4 * options_.points_per_cell <= static_cast<double>(part.size());
+    if (draft.pitch_log2 > kAlphaPitchLog2 && crowded) {
       const bool along_u = draft.wide >= draft.high;
       const Range& r = along_u ? u : v;
       const std::int64_t line = (((r.low + r.high) / 2) >> kAlphaPitchLog2) << kAlphaPitchLog2;
@@ -168,7 +174,14 @@ class HullMaker {
       if (cut > 0 && cut < part.size()) return Status::kOk;
       cut = 0;
     }
-    return fill(part, u, v, draft, kept);
+    const auto n = static_cast<double>(part.size());
+    while (occupied * options_.points_per_cell > n && occupied > 4 &&
+           draft.pitch_log2 < kMaxPitchLog2) {
+      ++draft.pitch_log2;
+      if (const Status status = occupy(part, u, v, draft, cells, occupied); status != Status::kOk)
+        return status;
+    }
+    return finish(part, draft, cells, kept);
   }
 
  private:
@@ -181,29 +194,32 @@ class HullMaker {
     draft.high = static_cast<std::uint32_t>((v.high >> p) - (v.low >> p)) + 1;
   }
 
-  Status fill(std::span<std::uint32_t> part, const Range& u, const Range& v, PatchDraft& draft,
-              std::size_t& kept) noexcept {
+  /// Counts the part's points in cells of the draft's pitch, or of the finest above it that makes
+  /// few enough cells.
+  Status occupy(std::span<const std::uint32_t> part, const Range& u, const Range& v,
+                PatchDraft& draft, std::span<DraftCell>& cells, std::uint32_t& occupied) noexcept {
     const std::size_t most = std::size_t{kCellsPerPoint} * part.size() + kLeastCells;
-    draft.points = static_cast<std::uint32_t>(part.size());
-    draft.first_cell = static_cast<std::uint32_t>(output_.cells_used);
-    std::span<DraftCell> cells;
     for (;; ++draft.pitch_log2) {
       place(u, v, draft);
-      const std::size_t count = std::size_t{draft.wide} * draft.high;
-      const bool last = draft.pitch_log2 == kMaxPitchLog2;
-      if (count > most && !last) continue;
-      if (count > output_.cells.size() - output_.cells_used) return Status::kTooLarge;
-      cells = output_.cells.subspan(output_.cells_used, count);
-      std::fill(cells.begin(), cells.end(), DraftCell{});
-      std::uint32_t occupied = 0;
-      for (const std::uint32_t m : part) {
-        DraftCell& cell = cells[grid_.cell(draft, m)];
-        occupied += cell.inside() ? 0 : 1;
-        cell.count_and_inside = (cell.count_and_inside | 1U) + 2;
-      }
-      const auto n = static_cast<double>(part.size());
-      if (last || occupied * options_.points_per_cell <= n || occupied <= 4) break;
+      if (std::size_t{draft.wide} * draft.high <= most || draft.pitch_log2 == kMaxPitchLog2) break;
     }
+    const std::size_t count = std::size_t{draft.wide} * draft.high;
+    if (count > output_.cells.size() - output_.cells_used) return Status::kTooLarge;
+    cells = output_.cells.subspan(output_.cells_used, count);
+    std::fill(cells.begin(), cells.end(), DraftCell{});
+    occupied = 0;
+    for (const std::uint32_t m : part) {
+      DraftCell& cell = cells[grid_.cell(draft, m)];
+      occupied += cell.inside() ? 0 : 1;
+      cell.count_and_inside = (cell.count_and_inside | 1U) + 2;
+    }
+    return Status::kOk;
+  }
+
+  Status finish(std::span<std::uint32_t> part, PatchDraft& draft, std::span<DraftCell> cells,
+                std::size_t& kept) noexcept {
+    draft.points = static_cast<std::uint32_t>(part.size());
+    draft.first_cell = static_cast<std::uint32_t>(output_.cells_used);
     drop_lonely(draft, cells, least_);
     if (draft.points == 0) return Status::kOk;
     for (std::uint32_t round = 0; round < options_.closing_rounds; ++round)

@@ -199,10 +199,13 @@ TEST(OccupancyHull, LonelyPointsAreLeftOutAndStandLast) {
 }
 
 TEST(OccupancyHull, SparsePointsGetWiderCells) {
-  Scene scene(0.05, [](double, double) { return true; });
-  ASSERT_EQ(scene.make(), Status::kOk);
-  EXPECT_GE(scene.drafts[0].pitch_log2, kAlphaPitchLog2 + 1);
-  EXPECT_EQ(scene.kept, scene.members.size());
+  for (const double spacing : {0.03, 0.05, 0.08}) {  // with cells of 0.02
+    Scene scene(spacing, [](double, double) { return true; });
+    ASSERT_EQ(scene.make(), Status::kOk);
+    ASSERT_EQ(scene.output.drafts_used, 1U);
+    EXPECT_GE(scene.drafts[0].pitch_log2, kAlphaPitchLog2 + 1);
+    EXPECT_EQ(scene.kept, scene.members.size());
+  }
 }
 
 TEST(OccupancyHull, PilesOnePointAndFarPointsGiveAResultOrAStatus) {
