@@ -2,13 +2,14 @@
 # Frames at a sensor's rate through planecastd, LCM on loopback and planecast-recv: what arrived
 # whole, what was dropped, and how long a frame took from memory to readable cloud.
 #   bench/end_to_end.sh BUILD INPUT [codec options]      one row a tolerance: 0, 10mm, 2sigma
-# TOLERANCES="2sigma 20mm" in the environment changes the rows; RATE (30) and FRAMES (all of the
-# input, 120) the load. Runs in a network namespace of its own, with the kernel's default buffers.
+# TOLERANCES="2sigma 20mm" in the environment changes the rows; RATE (30; several: a row each, to see
+# what is sustained) and FRAMES (all of the input, 120) the load. Frames are in memory before the
+# start. Runs in a network namespace of its own, with the kernel's default buffers.
 set -euo pipefail
 export LC_ALL=C
 
 if [ $# -lt 2 ]; then
-  sed -n '2,7s/^# \{0,1\}//p' "$0"
+  sed -n '2,8s/^# \{0,1\}//p' "$0"
   exit 2
 fi
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -33,16 +34,20 @@ field() {
   if [[ " $2 " =~ \ $1=([^ ]*)\  ]]; then echo "${BASH_REMATCH[1]}"; else echo "-"; fi
 }
 
-row="%-10s %6s %8s %8s %8s %5s | %9s %9s %9s | %9s %8s\n"
+row="%-10s %5s %6s %8s %8s %8s %5s | %9s %9s %9s | %9s %8s\n"
 # shellcheck disable=SC2059
-printf "$row" tolerance sent complete partial dropped lost p50_ms p99_ms max_ms encode_ms Mbit/s
+printf "$row" tolerance rate sent complete partial dropped lost p50_ms p99_ms max_ms encode_ms Mbit/s
 worst=0
-for tolerance in ${TOLERANCES:-0 10mm 2sigma}; do
+for setting in $(for t in ${TOLERANCES:-0 10mm 2sigma}; do
+  for r in ${RATE:-30}; do echo "$t@$r"; done
+done); do
+  tolerance=${setting%@*}
+  rate=${setting#*@}
   "$build/apps/recv/planecast-recv" --frames "$frames" --streams 1 --max-size 1280x720 \
     --status "$temporary/r" --timeout 60 >/dev/null 2>"$temporary/r.log" &
   receiver_pid=$!
   until grep -q ready=1 "$temporary/r" 2>/dev/null; do sleep 0.05; done
-  "$build/apps/planecastd/planecastd" "$@" --tolerance "$tolerance" --rate "${RATE:-30}" \
+  "$build/apps/planecastd/planecastd" "$@" --tolerance "$tolerance" --rate "$rate" \
     --preload "$frames" --status "$temporary/d" >/dev/null 2>"$temporary/d.log" &
   daemon_pid=$!
   wait "$daemon_pid" || worst=1
@@ -59,7 +64,7 @@ for tolerance in ${TOLERANCES:-0 10mm 2sigma}; do
   sent=$(sed -n 's/^ *frames out *\([0-9]*\).*/\1/p' "$temporary/d.log" | head -n 1)
   given=$(sed -n 's/^ *frames in *\([0-9]*\).*/\1/p' "$temporary/d.log" | head -n 1)
   # shellcheck disable=SC2059
-  printf "$row" "$tolerance" "$sent" "$(field complete "$r")" "$(field partial "$r")" \
+  printf "$row" "$tolerance" "$rate" "$sent" "$(field complete "$r")" "$(field partial "$r")" \
     "$((given - sent))" "$(field lost "$r")" "$(field latency_p50_ms "$r")" \
     "$(field latency_p99_ms "$r")" "$(field latency_max_ms "$r")" "$(field encode_ms "$d")" \
     "$(field mbit_s "$d")"

@@ -9,9 +9,10 @@
 namespace planecast::baselines {
 namespace {
 
-constexpr std::size_t kWindow = 16;  // neighbours, the point included
+constexpr std::size_t kWindow = 40;  // neighbours that make a normal, the point included
+constexpr std::size_t kSteps = 12;   // of them that a patch may grow to
 constexpr std::size_t kLeast = 50;   // points of a patch
-constexpr double kAngle_deg = 10, kSpacings = 1.5;
+constexpr double kAngle_deg = 15, kSpacings = 3;
 
 Eigen::Vector3d at(const Point3f& p) {
   return {p.x, p.y, p.z};
@@ -45,7 +46,7 @@ struct PatchSums {
 };
 
 struct Windows {
-  std::vector<std::uint32_t> neighbours;  // kWindow a point
+  std::vector<std::uint32_t> neighbours;  // kSteps a point
   std::vector<Eigen::Vector3d> normal;
   std::vector<double> curvature;
   double spacing = 0;  // median distance to the fourth neighbour
@@ -54,7 +55,7 @@ struct Windows {
 Windows make_windows(const PointList& points) {
   Windows out;
   const KdTreeSearch tree(points);
-  out.neighbours.assign(points.size() * kWindow, Neighbour::kNone);
+  out.neighbours.assign(points.size() * kSteps, Neighbour::kNone);
   out.normal.resize(points.size());
   out.curvature.resize(points.size());
   std::vector<double> spacings;
@@ -63,7 +64,7 @@ Windows make_windows(const PointList& points) {
     const std::size_t found = tree.knn(points[i], near);
     PatchSums sums;
     for (std::size_t j = 0; j < found; ++j) {
-      out.neighbours[i * kWindow + j] = near[j].index;
+      if (j < kSteps) out.neighbours[i * kSteps + j] = near[j].index;
       sums.add(at(points[near[j].index]));
     }
     out.normal[i] = sums.axes(&out.curvature[i]).col(0);
@@ -88,8 +89,8 @@ PlanePatch grow(const PointList& points, const Windows& windows, std::uint32_t s
   taken[seed] = 1;
   sums.add(origin);
   for (std::size_t next = 0; next < patch.members.size(); ++next) {
-    const std::uint32_t* near = &windows.neighbours[patch.members[next] * kWindow];
-    for (std::size_t j = 0; j < kWindow && near[j] != Neighbour::kNone; ++j) {
+    const std::uint32_t* near = &windows.neighbours[patch.members[next] * kSteps];
+    for (std::size_t j = 0; j < kSteps && near[j] != Neighbour::kNone; ++j) {
       const std::uint32_t i = near[j];
       if (taken[i] != 0 || std::abs(windows.normal[i].dot(normal)) < least_cosine ||
           std::abs(normal.dot(at(points[i]) - origin)) > kSpacings * windows.spacing)

@@ -21,8 +21,8 @@ struct PlanePatches {
   std::vector<std::uint32_t> rest;  ///< points on none
 };
 
-/// Grows patches of at least 50 points: a neighbour joins whose normal is within 10 degrees of the
-/// patch's and which lies within 1.5 median point spacings of its plane. O(n log n).
+/// Grows patches of at least 50 points: a neighbour joins whose normal is within 15 degrees of the
+/// patch's and which lies within 3 median point spacings of its plane. O(n log n).
 PlanePatches find_patches(const PointList& points);
 
 }  // namespace planecast::baselines
