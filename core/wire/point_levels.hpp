@@ -73,49 +73,59 @@ constexpr std::uint64_t weights_of(int dx, int dy, int dz, unsigned octant, bool
   return sum;
 }
 
-/// weights_of the known child `octant` of the neighbour at bit d; at the centre, of a sibling.
-constexpr std::array<std::array<std::uint64_t, 8>, 27> make_known_weights() {
-  std::array<std::array<std::uint64_t, 8>, 27> table{};
-  for (int z = -1; z <= 1; ++z)
-    for (int y = -1; y <= 1; ++y)
-      for (int x = -1; x <= 1; ++x)
-        for (unsigned octant = 0; octant < 8; ++octant)
-          table[pattern_bit(x, y, z)][octant] = weights_of(x, y, z, octant, false);
-  return table;
-}
-inline constexpr auto kKnownWeightsOf = make_known_weights();
-
-/// How many unknown children the neighbour at bit d has beside each of the eight.
-constexpr std::array<std::uint64_t, 27> make_unknown_counts() {
-  std::array<std::uint64_t, 27> table{};
-  for (int z = -1; z <= 1; ++z)
-    for (int y = -1; y <= 1; ++y)
-      for (int x = -1; x <= 1; ++x)
-        for (unsigned octant = 0; octant < 8; ++octant)
-          table[pattern_bit(x, y, z)] += weights_of(x, y, z, octant, true);
-  return table;
-}
-inline constexpr auto kUnknownCountsOf = make_unknown_counts();
-
 /// Powers of three of the axis on which the neighbour at bit d shares a face, else 0.
-constexpr std::array<std::uint8_t, 27> make_face_place() {
-  std::array<std::uint8_t, 27> table{};
-  table[pattern_bit(-1, 0, 0)] = table[pattern_bit(1, 0, 0)] = 1;
-  table[pattern_bit(0, -1, 0)] = table[pattern_bit(0, 1, 0)] = 3;
-  table[pattern_bit(0, 0, -1)] = table[pattern_bit(0, 0, 1)] = 9;
-  return table;
+constexpr unsigned face_place(unsigned d) {
+  const unsigned x = d % 3, y = d / 3 % 3, z = d / 9;
+  if (y == 1 && z == 1 && x != 1) return 1;
+  if (x == 1 && z == 1 && y != 1) return 3;
+  if (x == 1 && y == 1 && z != 1) return 9;
+  return 0;
 }
-inline constexpr auto kFacePlace = make_face_place();
 
-/// A byte of 1 for each bit of a mask.
-constexpr std::array<std::uint64_t, 256> make_byte_spread() {
-  std::array<std::uint64_t, 256> table{};
-  for (unsigned mask = 0; mask < 256; ++mask)
-    for (unsigned bit = 0; bit < 8; ++bit)
-      table[mask] |= std::uint64_t{mask >> bit & 1U} << (8 * bit);
+/// `state` times the place of the face for each of the eight that lies across from `octant`.
+constexpr std::uint64_t face_of(unsigned d, unsigned octant, unsigned state) {
+  const unsigned place = face_place(d);
+  if (place == 0 || (make_touching()[d] >> octant & 1U) == 0) return 0;
+  const unsigned axis = place == 1 ? 0 : (place == 3 ? 1 : 2);
+  return std::uint64_t{state * place} << (8 * (octant ^ (1U << axis)));
+}
+
+/// Sums for the eight children of a node of what a neighbour's children add, by halves of its mask.
+struct NeighbourSums {
+  std::uint64_t weights[2][16] = {};  ///< known children: 3 face, 2 edge, 1 corner
+  std::uint64_t faces[2][16] = {};    ///< known children across a face
+  std::uint64_t unknown = 0;          ///< children, where none is known yet
+  std::uint64_t unknown_faces = 0;
+};
+
+constexpr std::array<NeighbourSums, 27> make_neighbour_sums() {
+  std::array<NeighbourSums, 27> table{};
+  for (unsigned d = 0; d < 27; ++d) {
+    const int x = static_cast<int>(d % 3) - 1, y = static_cast<int>(d / 3 % 3) - 1,
+              z = static_cast<int>(d / 9) - 1;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      const std::uint64_t weight = weights_of(x, y, z, octant, false);
+      table[d].unknown += weights_of(x, y, z, octant, true);
+      table[d].unknown_faces += face_of(d, octant, 1);
+      for (unsigned half = 0; half < 16; ++half) {
+        if ((half >> (octant & 3U) & 1U) == 0) continue;
+        table[d].weights[octant >> 2U][half] += weight;
+        table[d].faces[octant >> 2U][half] += face_of(d, octant, 2);
+      }
+    }
+  }
   return table;
 }
-inline constexpr auto kByteSpread = make_byte_spread();
+inline constexpr auto kNeighbourSums = make_neighbour_sums();
+
+/// What an occupied child adds to its siblings.
+constexpr std::array<std::uint64_t, 8> make_sibling_weights() {
+  std::array<std::uint64_t, 8> table{};
+  for (unsigned octant = 0; octant < 8; ++octant)
+    table[octant] = weights_of(0, 0, 0, octant, false);
+  return table;
+}
+inline constexpr auto kSiblingWeights = make_sibling_weights();
 
 /// Set bits of a byte.
 constexpr std::array<std::uint8_t, 256> make_bit_counts() {
@@ -163,9 +173,8 @@ constexpr std::uint64_t window_of(std::uint32_t mask) noexcept {
 /// Adds the children `mask` of the neighbour at bit `d` to the window round a node's children.
 inline void add_to_window(std::uint64_t& window, unsigned d, std::uint32_t mask) noexcept {
   const std::uint64_t children = window_of(mask & detail::kTouching[d]);
-  const int shift = detail::kWindowShift[d];
-  window |= shift >= 0 ? children << static_cast<unsigned>(shift)
-                       : children >> static_cast<unsigned>(-shift);
+  // No bit leaves at the lower end: the touching children are those that stay.
+  window |= std::rotl(children, detail::kWindowShift[d]);
 }
 
 /// The place of child `octant` in the window.
@@ -186,22 +195,17 @@ inline std::uint32_t pattern_of_child(std::uint64_t window, unsigned octant) noe
 /// What is known round the eight children of a node while they are coded, a byte for each.
 class Surroundings {
  public:
-  /// A neighbour that was coded before: its children are known.
-  void add_known(unsigned d, std::uint32_t mask) noexcept {
-    mask &= detail::kTouching[d];
-    for (std::uint32_t left = mask; left != 0; left &= left - 1)
-      weights_ += detail::kKnownWeightsOf[d][static_cast<unsigned>(std::countr_zero(left))];
-    if (detail::kFacePlace[d] != 0) add_face(d, mask, 2);
-  }
-  /// A neighbour still to come: any of its children may be occupied.
-  void add_unknown(unsigned d) noexcept {
-    unknown_ += detail::kUnknownCountsOf[d];
-    if (detail::kFacePlace[d] != 0) add_face(d, detail::kTouching[d], 1);
+  /// The neighbour at bit d. Coded before, it has the children `mask`; else any may be occupied.
+  void add(unsigned d, bool coded, std::uint32_t mask) noexcept {
+    const detail::NeighbourSums& sums = detail::kNeighbourSums[d];
+    const std::uint64_t open = coded ? 0 : ~std::uint64_t{0};
+    const std::uint32_t known = coded ? mask : 0;
+    weights_ += sums.weights[0][known & 15U] + sums.weights[1][known >> 4U];
+    faces_ += sums.faces[0][known & 15U] + sums.faces[1][known >> 4U] + (sums.unknown_faces & open);
+    unknown_ += sums.unknown & open;
   }
   /// Child `octant` of the node itself turned out to be occupied.
-  void add_sibling(unsigned octant) noexcept {
-    weights_ += detail::kKnownWeightsOf[kCentreBit][octant];
-  }
+  void add_sibling(unsigned octant) noexcept { weights_ += detail::kSiblingWeights[octant]; }
 
   /// 3 for each known and occupied neighbour at a face of the child, 2 edge, 1 corner.
   unsigned weight(unsigned octant) const noexcept { return byte(weights_, octant); }
@@ -213,14 +217,6 @@ class Surroundings {
   static unsigned byte(std::uint64_t bytes, unsigned i) noexcept {
     return static_cast<unsigned>(bytes >> (8 * i)) & 255U;
   }
-  // The children across the face from `mask` are those one step towards the neighbour.
-  void add_face(unsigned d, std::uint32_t mask, unsigned state) noexcept {
-    const unsigned place = detail::kFacePlace[d];
-    const unsigned step = place == 1 ? 1 : (place == 3 ? 2 : 4);
-    const std::uint32_t mine = d > kCentreBit ? mask << step : mask >> step;
-    faces_ += detail::kByteSpread[mine & 255U] * (state * place);
-  }
-
   std::uint64_t weights_ = 0, unknown_ = 0, faces_ = 0;
 };
 
@@ -288,8 +284,8 @@ class PointLevels {
       add_to_window(window, d, masks_[parent.near[d]]);
     }
     std::uint32_t next = children_[i];
-    for (unsigned octant = 0; octant < 8; ++octant) {
-      if ((masks_[i] >> octant & 1U) == 0) continue;
+    for (std::uint32_t family = masks_[i]; family != 0; family &= family - 1) {
+      const auto octant = static_cast<unsigned>(std::countr_zero(family));
       PointNode& child = lower_[next++];
       child.pattern = pattern_of_child(window, octant);
       for (std::uint32_t left = child.pattern; left != 0; left &= left - 1) {

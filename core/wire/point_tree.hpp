@@ -75,11 +75,7 @@ class PointTree {
     for (std::uint32_t left = node.pattern & ~(1U << kCentreBit); left != 0; left &= left - 1) {
       const auto d = static_cast<unsigned>(std::countr_zero(left));
       const std::uint32_t j = node.near[d];
-      if (j < i) {
-        around.add_known(d, levels_.mask(j));
-      } else {
-        around.add_unknown(d);
-      }
+      around.add(d, j < i, levels_.mask(j));
     }
     const NodePlane& plane = levels_.planes().plane(node.pattern);
     OccupancyModels& models = models_.occupancy[level == 0 ? 0 : 1];

@@ -48,8 +48,7 @@ TEST(PointContexts, SurroundingsAreSumsOverTheChildrenAround) {
       const auto kind = static_cast<unsigned>(random() % 3);
       const auto mask = static_cast<std::uint32_t>(random() % 256);
       if (d != kCentreBit && kind == 0) continue;
-      if (d != kCentreBit && kind == 1) around.add_unknown(d);
-      if (d != kCentreBit && kind == 2) around.add_known(d, mask);
+      if (d != kCentreBit) around.add(d, kind == 2, mask);
       for (unsigned octant = 0; octant < 8; ++octant) {
         const bool set = (mask >> octant & 1U) != 0;
         if (d == kCentreBit && set) around.add_sibling(octant);

@@ -36,7 +36,7 @@ TEST(PointRoundTrip, BoundHoldsBothWaysForCloudsOfEverySort) {
   unsigned seed = 1;
   for (const std::string& name : cloud_names())
     for (const std::uint32_t tolerance : {1U, 2U, 9U, 100U, 5000U})
-      expect_contract(cloud(name, 700, 20000, ++seed), tolerance, 1200, name);
+      expect_contract(cloud(name, 450, 20000, ++seed), tolerance, 1200, name);
 }
 
 TEST(PointRoundTrip, LosslessGivesTheSameMultiset) {
@@ -51,7 +51,7 @@ TEST(PointRoundTrip, SlicesOfEverySizeKeepTheContract) {
   for (const std::string& name : cloud_names())
     for (const std::size_t slice : {kMinPointSliceBytes, std::size_t{500}, kFileSliceBytes})
       for (const std::uint32_t tolerance : {0U, 50U})
-        expect_contract(cloud(name, 700, 5000, ++seed), tolerance, slice, name);
+        expect_contract(cloud(name, 450, 5000, ++seed), tolerance, slice, name);
 }
 
 TEST(PointRoundTrip, FewPointsWork) {
