@@ -105,15 +105,15 @@ class FileSource : public FrameSource {
 
 class SimSource : public FrameSource {
  public:
-  SimSource(RoomSimulator simulator, std::uint64_t frames)
-      : simulator_(std::move(simulator)), frames_(frames) {}
+  SimSource(std::string name, RoomSimulator simulator, std::uint64_t frames)
+      : name_(std::move(name)), simulator_(std::move(simulator)), frames_(frames) {}
 
   Result<bool> next(SensorFrame& frame) override {
     if (at_ >= frames_) return false;
     frame = {};
     frame.number = number_++;
     frame.stamp_ns = stamp_of(frame.number, simulator_.config().rate_hz);
-    frame.name = "sim:room#" + std::to_string(at_);
+    frame.name = "sim:" + name_ + "#" + std::to_string(at_);
     frame.frame_id = "camera_optical";
     simulator_.render(at_++, frame.depth, truth_, frame.pose);
     return true;
@@ -125,6 +125,7 @@ class SimSource : public FrameSource {
   }
 
  private:
+  std::string name_;
   RoomSimulator simulator_;
   std::uint64_t frames_;
   std::uint64_t at_ = 0;
@@ -166,12 +167,15 @@ Result<std::unique_ptr<FrameSource>> open_simulator(const std::string& input,
     frames = *count;
     scene.resize(colon);
   }
-  if (scene != "room") {
-    return Error{Status::kUsage, input + ": no such scene in this version; did you mean sim:room?"};
+  if (scene != "room" && scene != "curved") {
+    return Error{Status::kUsage,
+                 input + ": no such scene in this version; there are sim:room and sim:curved"};
   }
-  auto simulator = RoomSimulator::create(sim_config_of(options));
+  auto simulator = RoomSimulator::create(sim_config_of(options),
+                                         scene == "room" ? room_scene() : curved_scene());
   if (!simulator.ok()) return simulator.error();
-  return std::unique_ptr<FrameSource>(std::make_unique<SimSource>(std::move(*simulator), frames));
+  return std::unique_ptr<FrameSource>(
+      std::make_unique<SimSource>(std::move(scene), std::move(*simulator), frames));
 }
 
 }  // namespace

@@ -85,9 +85,14 @@ double per_metre(std::int32_t coefficient, const CameraModel& camera) {
 }
 
 Json surface_of(const Surface& s, const CameraModel& camera) {
-  return {{"wire_abc", {s.a, s.b, s.c}},
-          {"inverse_depth_per_m",
-           {per_metre(s.a, camera), per_metre(s.b, camera), per_metre(s.c, camera)}}};
+  Json out = {{"wire_abc", {s.a, s.b, s.c}},
+              {"inverse_depth_per_m",
+               {per_metre(s.a, camera), per_metre(s.b, camera), per_metre(s.c, camera)}}};
+  if (!s.curved()) return out;
+  out["wire_def"] = {s.d, s.e, s.f};
+  for (const std::int32_t bend : {s.d, s.e, s.f})
+    out["inverse_depth_per_m"].push_back(per_metre(bend, camera));
+  return out;
 }
 
 // Nine digits: all that a float32 or a Q16 number has, without the tail of a double.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
 
 #include "core/base/lanes.hpp"
 #include "core/predict/block_surface.hpp"
@@ -13,27 +13,53 @@ namespace {
 constexpr std::uint32_t kBorder = 4;
 // Bits: a label that is the left block's, the one above's, or another's; what a surface costs.
 constexpr float kAsLeftBits = 0.1F, kAsAboveBits = 2.5F, kOtherBits = 7.0F;
-constexpr float kSurfaceBits = 150.0F;
+constexpr float kSurfaceBits = 200.0F;
 // Bits of n corrections of mean magnitude m: n log2(1 + kSpread m), near enough for comparing.
 constexpr float kSpread = 2.5F;
 constexpr float kMissCap = 24.0F;
+// How much a block says about its own label where each of its four neighbours says one.
+constexpr float kLosslessSay = 2, kBoundedSay = 8;
 constexpr float kNeighbourSlack = 0.0F, kSurfaceSlack = 0.5F;
 // An estimate this much in favour is trusted; without a bound surfaces gain little to lose on.
 constexpr float kSureLossless = 1.04F, kSureBounded = 1.0F;
+
+constexpr std::uint32_t kMostHeldRows = 8;
+
+// Some rows of a block tell what all eight would, each with the one above it: fewer where a bound
+// makes the answer clear.
+struct SampledRows {
+  std::uint32_t row[4];
+  std::uint32_t count;
+  float share;  ///< pixels that each sampled one stands for
+};
+constexpr SampledRows kLosslessRows{{1, 3, 5, 7}, 4, 2}, kBoundedRows{{2, 6}, 2, 4};
+
+const SampledRows& rows_of(const FitTables& tables) noexcept {
+  return tables.bounds->lossless() ? kLosslessRows : kBoundedRows;
+}  // pixels that each sampled one stands for
 
 std::size_t row_floats(std::uint32_t width) noexcept {
   return (std::size_t{width} + 7) / 8 * 8 + 2 * kBorder;
 }
 
-float bits_of(float misses, float readings) noexcept {
-  if (readings <= 0) return 0;
-  return readings * std::log2(1.0F + kSpread * misses / readings);
+// Base-2 logarithm of x >= 1 to 0.01, the same on every machine.
+float log2_about(float x) noexcept {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  const float mantissa = std::bit_cast<float>((bits & 0x7fffffU) | 0x3f800000U);
+  const auto exponent = static_cast<float>(static_cast<std::int32_t>(bits >> 23U) - 127);
+  return exponent + (2 - mantissa * (1.0F / 3)) * mantissa - 5.0F / 3;
 }
 
-// The pixels of a block and their causal neighbours.
+float bits_of(float misses, float readings) noexcept {
+  if (readings <= 0) return 0;
+  return readings * log2_about(1.0F + kSpread * misses / readings);
+}
+
+// The sampled rows of a block: level of the first pixel, row above, row, and so on.
 struct BlockView {
-  const float* first;  ///< level of the block's first pixel
+  const float* first;
   std::size_t stride;
+  const SampledRows* rows;
 };
 
 // Correction steps that a residual needs beyond the window. Residuals are taken on true levels,
@@ -53,8 +79,8 @@ struct Window {
 // Sum of correction steps with median prediction, over readings whose three neighbours are there.
 float neighbour_misses(const BlockView& b, const Window& window, float& readings) noexcept {
   Float4 sum = all4(0), count = all4(0);
-  for (int y = 0; y < 8; ++y) {
-    const float* row = b.first + y * b.stride;
+  for (std::uint32_t i = 0; i < b.rows->count; ++i) {
+    const float* row = b.first + (2 * i + 1) * b.stride;
     for (int x = 0; x < 8; x += 4) {
       const Float4 here = load4(row + x), l = load4(row + x - 1), u = load4(row + x - b.stride),
                    ul = load4(row + x - b.stride - 1);
@@ -76,8 +102,9 @@ float surface_misses(const BlockView& b, const BlockSurface& s, const Window& wi
   const Float4 dy = all4(static_cast<float>(s.dy) * kOne);
   const Float4 limit = all4(limit_levels);
   Float4 sum = all4(0);
-  for (int y = 0; y < 8; ++y) {
-    const float* row = b.first + y * b.stride;
+  for (std::uint32_t i = 0; i < b.rows->count; ++i) {
+    const float* row = b.first + (2 * i + 1) * b.stride;
+    const auto y = static_cast<std::int32_t>(b.rows->row[i]);
     for (int x = 0; x < 8; x += 4) {
       const float at0 = static_cast<float>(s.at_origin + s.dx * x + s.dy * y) * kOne;
       const Float4 at = all4(at0) + dx * Float4{0, 1, 2, 3};
@@ -132,24 +159,29 @@ Candidates block_candidates(const RegionMap& regions, std::span<const std::uint8
 
 void BlockLabeller::layout(Arena& arena, std::uint32_t max_width,
                            std::uint32_t max_height) noexcept {
-  levels_ = arena.take<float>(row_floats(max_width) * ((std::size_t{max_height} + 7) / 8 * 8 + 2));
+  levels_ = arena.take<float>(row_floats(max_width) * kMostHeldRows);
+  offers_ = arena.take<Offer>(std::size_t{(max_width + 7) / 8} * ((max_height + 7) / 8));
 }
 
-void BlockLabeller::load_levels(const FitTables& tables,
-                                std::span<const std::uint16_t> depth) noexcept {
+// Levels of the sampled rows of a row of blocks; rows and columns beyond the image are holes.
+void BlockLabeller::load_levels(const FitTables& tables, std::span<const std::uint16_t> depth,
+                                std::uint32_t by) noexcept {
   const std::uint32_t width = tables.rays->width, height = tables.rays->height;
   stride_ = row_floats(width);
-  const std::size_t rows = (std::size_t{height} + 7) / 8 * 8 + 2;
-  float* out = levels_.data();
-  std::fill_n(out, stride_, 0.0F);
-  for (std::uint32_t v = 0; v < height; ++v) {
-    float* row = out + (v + 1) * stride_;
+  const LevelTable levels = *tables.levels;
+  const SampledRows& rows = rows_of(tables);
+  for (std::uint32_t i = 0; i < 2 * rows.count; ++i) {
+    float* row = levels_.data() + i * stride_;
+    const std::uint32_t v = by * 8 + rows.row[i / 2] - (i % 2 == 0 ? 1 : 0);
+    if (v >= height) {
+      std::fill_n(row, stride_, 0.0F);
+      continue;
+    }
     const std::uint16_t* from = depth.data() + std::size_t{v} * width;
     std::fill_n(row, kBorder, 0.0F);
-    for (std::uint32_t u = 0; u < width; ++u) row[kBorder + u] = tables.levels->nearest(from[u]);
+    for (std::uint32_t u = 0; u < width; ++u) row[kBorder + u] = levels.nearest(from[u]);
     std::fill(row + kBorder + width, row + stride_, 0.0F);
   }
-  std::fill_n(out + (height + 1) * stride_, (rows - height - 1) * stride_, 0.0F);
 }
 
 void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16_t> depth,
@@ -158,44 +190,80 @@ void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16
                             std::span<BlockLabel> labels) noexcept {
   std::fill(labels.begin(), labels.end(), BlockLabel{});
   if (surfaces.empty()) return;
-  load_levels(tables, depth);
-  const std::uint32_t wide = regions.cells_wide, high = regions.cells_high;
+  for (std::uint32_t by = 0; by < regions.cells_high; ++by) {
+    load_levels(tables, depth, by);
+    for (std::uint32_t bx = 0; bx < regions.cells_wide; ++bx) {
+      offers_[std::size_t{by} * regions.cells_wide + bx] =
+          best_offer(tables, block_candidates(regions, surface_of, bx, by), surfaces, bx, by);
+    }
+  }
+  choose(regions, tables.bounds->lossless() ? kLosslessSay : kBoundedSay, labels);
+}
+
+// The surface that a block gains most by.
+BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
+                                               const Candidates& candidates,
+                                               std::span<const Surface> surfaces, std::uint32_t bx,
+                                               std::uint32_t by) const noexcept {
+  Offer best;
+  if (candidates.count == 0) return best;
   const auto last = static_cast<std::int32_t>(tables.levels->count()) - 1;
+  const BlockView view{levels_.data() + kBorder + bx * 8, stride_, &rows_of(tables)};
+  const std::uint8_t* halves = tables.bounds->half_widths(tables.bounds->ray_class(bx, by));
+  const std::size_t block = std::size_t{by} * blocks_wide(tables) + bx;
+  const std::uint8_t left = bx > 0 ? offers_[block - 1].label : std::uint8_t{0};
+  const std::uint8_t above = by > 0 ? offers_[block - blocks_wide(tables)].label : std::uint8_t{0};
+  float without = 0, readings = 0, best_worth = 0;
+  for (int i = 0; i < candidates.count; ++i) {
+    const std::uint8_t label = candidates.label[i];
+    const BlockSurface s =
+        block_surface(surfaces[label - 1U], *tables.rays, *tables.levels, bx, by);
+    const std::int32_t middle = std::clamp((s.at(4, 4) + 128) >> 8, 1, last);
+    const int half = halves[middle];
+    const Window window(half, kNeighbourSlack), surface_window(half, kSurfaceSlack);
+    if (i == 0) {
+      const float misses = neighbour_misses(view, window, readings);
+      without = bits_of(misses, readings);
+    }
+    const float misses = surface_misses(view, s, surface_window, static_cast<float>(12 + 3 * half));
+    const float sure = half == 0 ? kSureLossless : kSureBounded;
+    const float gain = view.rows->share * (without - sure * bits_of(misses, readings));
+    const float worth = gain - label_bits(label, left, above);
+    if (best.label != 0 && worth <= best_worth) continue;
+    best = {gain, label};
+    best_worth = worth;
+  }
+  return best;
+}
+
+// Takes the offers that pay for their label. A few pixels say little of one block, more when those
+// next to it with the same offer have a say.
+void BlockLabeller::choose(const RegionMap& regions, float own_say,
+                           std::span<BlockLabel> labels) noexcept {
+  const std::uint32_t wide = regions.cells_wide, high = regions.cells_high;
   std::array<float, kMaxSurfaces + 1> saved{};
   for (std::uint32_t by = 0; by < high; ++by) {
     for (std::uint32_t bx = 0; bx < wide; ++bx) {
-      const Candidates candidates = block_candidates(regions, surface_of, bx, by);
-      if (candidates.count == 0) continue;
       const std::size_t block = std::size_t{by} * wide + bx;
+      const Offer& offer = offers_[block];
+      if (offer.label == 0) continue;
+      float sum = own_say * offer.gain, weight = own_say;
+      const auto ask = [&](const Offer& other) {
+        if (other.label != offer.label) return;
+        sum += other.gain;
+        weight += 1;
+      };
+      if (bx > 0) ask(offers_[block - 1]);
+      if (bx + 1 < wide) ask(offers_[block + 1]);
+      if (by > 0) ask(offers_[block - wide]);
+      if (by + 1 < high) ask(offers_[block + wide]);
       const std::uint8_t left = bx > 0 ? labels[block - 1].first : std::uint8_t{0};
       const std::uint8_t above = by > 0 ? labels[block - wide].first : std::uint8_t{0};
-      const BlockView view{levels_.data() + (by * 8 + 1) * stride_ + kBorder + bx * 8, stride_};
-      const std::uint8_t* halves = tables.bounds->half_widths(tables.bounds->ray_class(bx, by));
-      float best = 0, without = 0, readings = 0;
-      std::uint8_t best_label = 0;
-      for (int i = 0; i < candidates.count; ++i) {
-        const std::uint8_t label = candidates.label[i];
-        const BlockSurface s =
-            block_surface(surfaces[label - 1U], *tables.rays, *tables.levels, bx, by);
-        const std::int32_t middle = std::clamp((s.at(4, 4) + 128) >> 8, 1, last);
-        const int half = halves[middle];
-        const Window window(half, kNeighbourSlack), surface_window(half, kSurfaceSlack);
-        if (i == 0) {
-          const float misses = neighbour_misses(view, window, readings);
-          without = bits_of(misses, readings);
-          best = without + label_bits(0, left, above);
-        }
-        const float misses =
-            surface_misses(view, s, surface_window, static_cast<float>(12 + 3 * half));
-        const float sure = half == 0 ? kSureLossless : kSureBounded;
-        const float bits = sure * bits_of(misses, readings) + label_bits(label, left, above);
-        if (bits < best) {
-          best = bits;
-          best_label = label;
-        }
-      }
-      labels[block].first = best_label;
-      saved[best_label] += without - best;
+      const float gain =
+          sum / weight + label_bits(0, left, above) - label_bits(offer.label, left, above);
+      if (gain <= 0) continue;
+      labels[block].first = offer.label;
+      saved[offer.label] += gain;
     }
   }
   for (BlockLabel& label : labels) {

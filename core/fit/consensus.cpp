@@ -22,20 +22,19 @@ std::size_t collect(const RegionMap& regions, unsigned label, std::span<std::uin
   return n;
 }
 
-PlaneSums weighted_sums(const RegionMap& regions, std::span<const std::uint32_t> cells,
-                        const FloatPlane* within, double limit) {
+PlaneSums sums_within(const RegionMap& regions, std::span<const std::uint32_t> cells,
+                      const FloatSurface& plane, float limit) {
   PlaneSums sums;
   for (const std::uint32_t i : cells) {
     const Cell& cell = regions.cells[i];
-    if (within != nullptr && cell_residual(cell, *within) > limit) continue;
-    sums.add(cell.sums, 1.0 / cell.variance);
+    if (cell_residual(cell, plane) <= limit) sums.add(plane_sums(cell));
   }
   return sums;
 }
 
 // The plane most cells agree on; false when too few do.
 bool strongest_plane(const RegionMap& regions, std::span<const std::uint32_t> cells, Pcg32& random,
-                     const ConsensusOptions& options, FloatPlane& best) {
+                     const ConsensusOptions& options, FloatSurface& best) {
   const auto count = static_cast<std::uint32_t>(cells.size());
   const std::size_t stride = cells.size() / kVoters + 1;
   const std::size_t voters = (cells.size() + stride - 1) / stride;
@@ -44,10 +43,9 @@ bool strongest_plane(const RegionMap& regions, std::span<const std::uint32_t> ce
   for (std::uint32_t t = 0; t < enough; ++t) {
     PlaneSums three;
     for (int i = 0; i < 3; ++i) {
-      const Cell& cell = regions.cells[cells[random.below(count)]];
-      three.add(cell.sums, 1.0 / cell.variance);
+      three.add(plane_sums(regions.cells[cells[random.below(count)]]));
     }
-    FloatPlane plane;
+    FloatSurface plane;
     if (!three.solve(plane)) continue;
     std::uint32_t votes = 0;
     for (std::size_t i = 0; i < cells.size(); i += stride) {
@@ -61,7 +59,7 @@ bool strongest_plane(const RegionMap& regions, std::span<const std::uint32_t> ce
   }
   if (most == 0) return false;
   for (int round = 0; round < 2; ++round) {
-    const PlaneSums agreed = weighted_sums(regions, cells, &best, options.inlier_residual);
+    const PlaneSums agreed = sums_within(regions, cells, best, options.inlier_residual);
     if (!agreed.solve(best)) return false;
   }
   return true;
@@ -69,7 +67,7 @@ bool strongest_plane(const RegionMap& regions, std::span<const std::uint32_t> ce
 
 // Moves cells that are not on the plane to the front, returns how many there are.
 std::size_t move_off_plane_first(const RegionMap& regions, std::span<std::uint32_t> cells,
-                                 const FloatPlane& plane, double limit) {
+                                 const FloatSurface& plane, float limit) {
   std::size_t off = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (cell_residual(regions.cells[cells[i]], plane) > limit) std::swap(cells[off++], cells[i]);
@@ -86,13 +84,14 @@ int split_regions(RegionMap& regions, std::span<RegionFit> fits, std::span<std::
   for (int k = 1; k <= before; ++k) {
     const RegionFit& fit = fits[k - 1];
     if (!fit.valid || fit.residual <= options.clear_residual) continue;
+    if (((regions.curved >> k) & 1U) != 0) continue;
     if (fit.cells < 2 * options.min_cells) continue;
     Pcg32 random(options.seed, static_cast<std::uint64_t>(k));
     std::size_t left = collect(regions, static_cast<unsigned>(k), scratch);
     bool first = true;
     while (left >= options.min_cells && (first || regions.regions < kMaxSurfaces)) {
       const std::span<std::uint32_t> cells = scratch.first(left);
-      FloatPlane plane;
+      FloatSurface plane;
       if (!strongest_plane(regions, cells, random, options, plane)) break;
       const std::size_t off = move_off_plane_first(regions, cells, plane, options.inlier_residual);
       if (left - off < options.min_cells) break;

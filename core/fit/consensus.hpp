@@ -12,7 +12,7 @@ namespace planecast {
 
 struct ConsensusOptions {
   double clear_residual = 3.0;   ///< regions at or below it (noise variances) are left alone
-  double inlier_residual = 2.0;  ///< a cell at or below it lies on a plane
+  float inlier_residual = 2.0F;  ///< a cell at or below it lies on a plane
   std::uint32_t min_cells = 12;  ///< of a plane worth having
   std::uint32_t trials = 48;     ///< samples of three cells for each plane
   std::uint64_t seed = 1;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 
+#include "core/model/lanes.hpp"
 #include "core/predict/block_surface.hpp"
 
 namespace planecast {
@@ -19,32 +21,121 @@ bool on_surface(const FitTables& tables, const Surface& surface, std::uint8_t ra
          tables.bounds->max_error(depth, ray_class);
 }
 
+// Where a block is, its readings as one bit each, and the bounds of them [counts].
 struct BlockPixels {
   std::uint32_t u0, v0, u1, v1;
   std::uint8_t ray_class;
+  std::uint64_t readings = 0;
+  float least = 0, most = 0;
+
+  bool whole_rows() const noexcept { return u1 - u0 == 8; }
 };
 
-BlockPixels block_pixels(const FitTables& tables, std::uint32_t bx, std::uint32_t by) noexcept {
-  return {bx * 8, by * 8, std::min<std::uint32_t>(bx * 8 + 8, tables.rays->width),
-          std::min<std::uint32_t>(by * 8 + 8, tables.rays->height),
-          tables.bounds->ray_class(bx, by)};
+// Readings of eight columns, and the depths of the nearest and the farthest one.
+void look_at_rows(const FitTables& tables, std::span<const std::uint16_t> depth,
+                  BlockPixels& b) noexcept {
+  constexpr float kFar = 65535;
+  Float4 nearest = all4(kFar), farthest = all4(1);
+  for (std::uint32_t v = b.v0; v < b.v1; ++v) {
+    const std::uint16_t* row = &depth[std::size_t{v} * tables.rays->width + b.u0];
+    for (unsigned half = 0; half < 8; half += 4) {
+      const Float4 here = load4(row + half);
+      const Int4 reading = here > all4(0);
+      b.readings |= std::uint64_t{lane_bits(reading)} << ((v - b.v0) * 8 + half);
+      farthest = max4(farthest, here);
+      nearest = min4(nearest, reading ? here : all4(kFar));
+    }
+  }
+  float low = kFar, high = 1;
+  for (int i = 0; i < 4; ++i) {
+    low = std::min(low, nearest[i]);
+    high = std::max(high, farthest[i]);
+  }
+  const auto bound = [&](float d) {
+    return static_cast<float>(tables.bounds->max_error(static_cast<std::uint16_t>(d), b.ray_class));
+  };
+  const float one = bound(low), other = bound(high);
+  b.least = std::min(one, other);
+  b.most = std::max(one, other);
 }
 
-// One bit for each pixel of the block: the readings, and those of them on a surface.
-std::uint64_t readings_of(const FitTables& tables, std::span<const std::uint16_t> depth,
-                          const BlockPixels& b) noexcept {
-  std::uint64_t out = 0;
+BlockPixels block_pixels(const FitTables& tables, std::span<const std::uint16_t> depth,
+                         std::uint32_t bx, std::uint32_t by) noexcept {
+  BlockPixels b{bx * 8, by * 8, std::min<std::uint32_t>(bx * 8 + 8, tables.rays->width),
+                std::min<std::uint32_t>(by * 8 + 8, tables.rays->height),
+                tables.bounds->ray_class(bx, by)};
+  if (b.whole_rows()) {
+    look_at_rows(tables, depth, b);
+    return b;
+  }
   for (std::uint32_t v = b.v0; v < b.v1; ++v) {
     for (std::uint32_t u = b.u0; u < b.u1; ++u) {
       const bool reading = depth[std::size_t{v} * tables.rays->width + u] != 0;
-      out |= std::uint64_t{reading} << ((v - b.v0) * 8 + (u - b.u0));
+      b.readings |= std::uint64_t{reading} << ((v - b.v0) * 8 + (u - b.u0));
+    }
+  }
+  return b;
+}
+
+// What floats can tell of a block's pixels: surely on the surface, and not surely off it.
+struct Verdict {
+  std::uint64_t on = 0, open = 0;
+};
+
+// A surface in floats over the rays of one block.
+struct FloatSurfaceLanes {
+  float a, b, c, d, e, f;
+  float rounding = 0;  // of a depth, relative to its square
+
+  FloatSurfaceLanes(const Surface& s, float x, float y)
+      : a(static_cast<float>(s.a)),
+        b(static_cast<float>(s.b)),
+        c(static_cast<float>(s.c)),
+        d(static_cast<float>(s.d)),
+        e(static_cast<float>(s.e)),
+        f(static_cast<float>(s.f)) {
+    constexpr float kRounding = 1e-6F, kIvOne = 2147483648.0F;
+    const float size = std::abs(a) * x + std::abs(b) * y + std::abs(c) + std::abs(d) * x * x +
+                       std::abs(e) * x * y + std::abs(f) * y * y + 64;
+    rounding = kRounding * size / kIvOne;
+  }
+  template <bool Curved>
+  Float4 inverse_depth(Float4 x, Float4 y) const noexcept {
+    const Float4 plane = all4(a) * x + (all4(b) * y + all4(c));
+    if constexpr (!Curved) return plane;
+    return plane + x * (all4(d) * x + all4(e) * y) + all4(f) * y * y;
+  }
+};
+
+template <bool Curved>
+Verdict judge(const FitTables& tables, std::span<const std::uint16_t> depth, const BlockPixels& b,
+              const FloatSurfaceLanes& surface) noexcept {
+  constexpr float kRayOne = 1.0F / (1 << 27), kIvOne = 2147483648.0F;
+  const RayTable& rays = *tables.rays;
+  Verdict out;
+  for (std::uint32_t v = b.v0; v < b.v1; ++v) {
+    const std::size_t row = std::size_t{v} * rays.width + b.u0;
+    for (std::uint32_t half = 0; half < 8; half += 4) {
+      const std::int32_t* xs = &rays.x_q27[(rays.separable ? b.u0 : row) + half];
+      const Float4 x = to_float4(load4(xs)) * all4(kRayOne);
+      const Float4 y = rays.separable ? all4(static_cast<float>(rays.y_q27[v]) * kRayOne)
+                                      : to_float4(load4(&rays.y_q27[row + half])) * all4(kRayOne);
+      const Float4 there = all4(kIvOne) / max4(surface.inverse_depth<Curved>(x, y), all4(16384));
+      const Float4 off = abs4(there - load4(&depth[row + half]));
+      const Float4 slack = there * there * all4(surface.rounding) + all4(2);
+      const unsigned shift = (v - b.v0) * 8 + half;
+      const Int4 on = (off + slack <= all4(b.least)) & (there < all4(65000));
+      out.on |= std::uint64_t{lane_bits(on)} << shift;
+      out.open |= std::uint64_t{lane_bits(off - slack <= all4(b.most))} << shift;
     }
   }
   return out;
 }
 
-std::uint64_t on_bits(const FitTables& tables, std::span<const std::uint16_t> depth,
-                      const BlockPixels& b, std::uint64_t wanted, const Surface& surface) noexcept {
+// Exactly, by the decoder's own arithmetic.
+std::uint64_t exactly_on(const FitTables& tables, std::span<const std::uint16_t> depth,
+                         const BlockPixels& b, std::uint64_t wanted,
+                         const Surface& surface) noexcept {
   std::uint64_t out = 0;
   for (std::uint64_t rest = wanted; rest != 0; rest &= rest - 1) {
     const auto bit = static_cast<std::uint32_t>(std::countr_zero(rest));
@@ -53,6 +144,27 @@ std::uint64_t on_bits(const FitTables& tables, std::span<const std::uint16_t> de
     if (on_surface(tables, surface, b.ray_class, u, v, d)) out |= std::uint64_t{1} << bit;
   }
   return out;
+}
+
+// The wanted readings of a block that lie on a surface. Floats settle most of them; the rest, near
+// the bound, is looked at exactly.
+std::uint64_t on_bits(const FitTables& tables, std::span<const std::uint16_t> depth,
+                      const BlockPixels& b, std::uint64_t wanted, const Surface& surface) noexcept {
+  if (!b.whole_rows() || wanted == 0) return exactly_on(tables, depth, b, wanted, surface);
+  const RayTable& rays = *tables.rays;
+  float x = 0, y = 0;
+  for (const std::uint32_t u : {b.u0, b.u1 - 1}) {
+    for (const std::uint32_t v : {b.v0, b.v1 - 1}) {
+      x = std::max(x, std::abs(static_cast<float>(rays.x(u, v))) * 0x1p-27F);
+      y = std::max(y, std::abs(static_cast<float>(rays.y(u, v))) * 0x1p-27F);
+    }
+  }
+  // Distortion may reach a little further inside a block than at its corners.
+  const FloatSurfaceLanes lanes(surface, 1.1F * x, 1.1F * y);
+  const Verdict verdict = surface.curved() ? judge<true>(tables, depth, b, lanes)
+                                           : judge<false>(tables, depth, b, lanes);
+  const std::uint64_t on = wanted & verdict.on;
+  return on | exactly_on(tables, depth, b, wanted & verdict.open & ~verdict.on, surface);
 }
 
 }  // namespace
@@ -65,8 +177,8 @@ void label_on_surface(const FitTables& tables, std::span<const std::uint16_t> de
     for (std::uint32_t bx = 0; bx < regions.cells_wide; ++bx) {
       const Candidates candidates = block_candidates(regions, surface_of, bx, by);
       if (candidates.count == 0) continue;
-      const BlockPixels b = block_pixels(tables, bx, by);
-      const std::uint64_t readings = readings_of(tables, depth, b);
+      const BlockPixels b = block_pixels(tables, depth, bx, by);
+      const std::uint64_t readings = b.readings;
       if (readings == 0) continue;
       std::uint64_t on[4] = {};
       int first = 0;
@@ -100,8 +212,8 @@ Status drop_off_surface(const FitTables& tables, std::span<std::uint16_t> depth,
   for (std::uint32_t by = 0; by < high; ++by) {
     for (std::uint32_t bx = 0; bx < wide; ++bx) {
       const BlockLabel label = labels[std::size_t{by} * wide + bx];
-      const BlockPixels b = block_pixels(tables, bx, by);
-      const std::uint64_t readings = readings_of(tables, depth, b);
+      const BlockPixels b = block_pixels(tables, depth, bx, by);
+      const std::uint64_t readings = b.readings;
       std::uint64_t on = 0;
       if (label.first != 0) on = on_bits(tables, depth, b, readings, surfaces[label.first - 1U]);
       if (label.second != 0) {

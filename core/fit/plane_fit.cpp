@@ -5,28 +5,170 @@
 #include <cmath>
 
 namespace planecast {
+namespace {
+
+constexpr float kInlier = 4.0F;        // noise variances: more is no noise of this surface
+constexpr std::uint32_t kInside = 4;   // cells inside a region that make a fit of their own
+constexpr double kInsideShare = 0.25;  // of the region's cells
+
+// A region's sums over all of its cells, or only those inside it.
+struct Sums {
+  PlaneSums plane;
+  QuadricSums quadric;
+  double readings = 0;
+  std::uint32_t cells = 0;
+
+  void add(const Cell& cell, bool curved) noexcept {
+    plane.add(plane_sums(cell));
+    if (curved) add_cell(quadric, cell);
+    readings += double{cell.n};
+    ++cells;
+  }
+  bool solve(bool curved, FloatSurface& out, double& residual) const noexcept {
+    double mean_square = 0;
+    if (curved && quadric.solve(out, mean_square)) {
+      residual = mean_square * quadric.n / readings;
+      return true;
+    }
+    if (!plane.solve(out)) return false;
+    residual = plane.mean_square(out) * plane.n / readings;
+    return true;
+  }
+};
+
+bool is_curved(const RegionMap& regions, unsigned label) noexcept {
+  return ((regions.curved >> label) & 1U) != 0;
+}
+
+// Four neighbours of the same region, those beyond the image included.
+bool is_inside(const RegionMap& regions, std::uint32_t x, std::uint32_t y) noexcept {
+  const std::size_t i = std::size_t{y} * regions.cells_wide + x;
+  const std::uint8_t label = regions.labels[i];
+  return (x == 0 || regions.labels[i - 1] == label) &&
+         (x + 1 == regions.cells_wide || regions.labels[i + 1] == label) &&
+         (y == 0 || regions.labels[i - regions.cells_wide] == label) &&
+         (y + 1 == regions.cells_high || regions.labels[i + regions.cells_wide] == label);
+}
+
+// Calls f(cell, label, inside) for every labelled cell with readings.
+template <class F>
+void for_each_cell(const RegionMap& regions, F&& f) noexcept {
+  for (std::uint32_t y = 0; y < regions.cells_high; ++y) {
+    for (std::uint32_t x = 0; x < regions.cells_wide; ++x) {
+      const std::size_t i = std::size_t{y} * regions.cells_wide + x;
+      if (regions.labels[i] == 0 || regions.cells[i].n == 0) continue;
+      f(regions.cells[i], regions.labels[i], is_inside(regions, x, y));
+    }
+  }
+}
+
+// Readings of a cell may count for the fit: inside, and no outlier.
+bool counts(const Cell& cell, const FloatSurface& surface, bool inside) noexcept {
+  return inside && cell_residual(cell, surface) <= kInlier;
+}
+
+}  // namespace
 
 void fit_regions(const RegionMap& regions, std::span<RegionFit> fits) noexcept {
-  std::array<PlaneSums, kMaxSurfaces + 1> sums{};
+  std::array<Sums, kMaxSurfaces + 1> all{}, inner{};
   std::array<float, kMaxSurfaces + 1> least{};
   for (int k = 0; k < regions.regions; ++k) fits[k] = {};
-  for (std::size_t i = 0; i < regions.cells.size(); ++i) {
-    const unsigned label = regions.labels[i];
-    const Cell& cell = regions.cells[i];
-    if (label == 0 || cell.sums.n == 0) continue;
-    sums[label].add(cell.sums, 1.0 / cell.variance);
-    RegionFit& fit = fits[label - 1];
-    fit.readings += cell.sums.n;
-    least[label] = fit.cells == 0 ? cell.variance : std::min(least[label], cell.variance);
-    ++fit.cells;
-  }
+  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool) {
+    Sums& sums = all[label];
+    least[label] = sums.cells == 0 ? cell.variance : std::min(least[label], cell.variance);
+    sums.add(cell, is_curved(regions, label));
+  });
   for (int k = 0; k < regions.regions; ++k) {
     RegionFit& fit = fits[k];
-    const PlaneSums& s = sums[k + 1];
-    if (fit.cells == 0 || !s.solve(fit.plane)) continue;
-    fit.valid = true;
-    fit.min_sigma = std::sqrt(static_cast<double>(least[k + 1]));
-    fit.residual = s.mean_square(fit.plane) * s.n / fit.readings;
+    const Sums& sums = all[k + 1];
+    fit.cells = sums.cells;
+    fit.readings = sums.readings;
+    if (sums.cells == 0) continue;
+    fit.valid = sums.solve(is_curved(regions, k + 1U), fit.surface, fit.residual);
+    fit.min_sigma = std::sqrt(double{least[k + 1]});
+  }
+  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool inside) {
+    if (counts(cell, fits[label - 1U].surface, inside))
+      inner[label].add(cell, is_curved(regions, label));
+  });
+  for (int k = 0; k < regions.regions; ++k) {
+    const Sums& sums = inner[k + 1];
+    if (sums.cells < std::max<double>(kInside, kInsideShare * fits[k].cells)) continue;
+    FloatSurface surface;
+    double residual = 0;
+    if (sums.solve(is_curved(regions, k + 1U), surface, residual)) fits[k].surface = surface;
+  }
+}
+
+namespace {
+
+// How many independent readings' worth of variance the sum over a region has, for each reading: 1
+// where the noise of every pixel is its own, more where neighbours share it. Products of the mean
+// residuals of neighbouring cells say.
+double shared_noise(const RegionMap& regions, std::span<const RegionFit> fits) noexcept {
+  double products = 0, readings = 0;
+  const auto residual = [&](std::uint32_t x, std::uint32_t y) {
+    const std::size_t i = std::size_t{y} * regions.cells_wide + x;
+    const Cell& cell = regions.cells[i];
+    const FloatSurface& s = fits[regions.labels[i] - 1U].surface;
+    const double off = double{cell.w} - s.at(double{cell.x}, double{cell.y});
+    return double{cell.n} * off / std::sqrt(double{cell.variance});
+  };
+  for (std::uint32_t y = 1; y + 1 < regions.cells_high; ++y) {
+    for (std::uint32_t x = 1; x + 1 < regions.cells_wide; ++x) {
+      const std::size_t i = std::size_t{y} * regions.cells_wide + x;
+      const std::uint8_t label = regions.labels[i];
+      if (label == 0 || is_curved(regions, label) || !is_inside(regions, x, y)) continue;
+      if (!counts(regions.cells[i], fits[label - 1U].surface, true)) continue;
+      const double here = residual(x, y);
+      double around = 0;
+      for (std::uint32_t v = y - 1; v <= y + 1; ++v) {
+        for (std::uint32_t u = x - 1; u <= x + 1; ++u) {
+          const std::size_t j = std::size_t{v} * regions.cells_wide + u;
+          if (regions.labels[j] != label) continue;
+          if (!counts(regions.cells[j], fits[label - 1U].surface, true)) continue;
+          around += residual(u, v);
+        }
+      }
+      products += here * around;
+      readings += double{regions.cells[i].n};
+    }
+  }
+  return readings > 0 ? std::max(1.0, products / readings) : 1;
+}
+
+}  // namespace
+
+void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
+                  std::span<PlaneSigmas> sigmas) noexcept {
+  std::array<PlaneSums, kMaxSurfaces + 1> all{}, inner{};
+  std::array<std::uint32_t, kMaxSurfaces + 1> inner_cells{};
+  std::array<double, kMaxSurfaces + 1> inner_readings{};
+  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool inside) {
+    all[label].add(plane_sums(cell));
+    if (!counts(cell, fits[label - 1U].surface, inside)) return;
+    inner[label].add(plane_sums(cell));
+    ++inner_cells[label];
+    inner_readings[label] += double{cell.n};
+  });
+  const double shared = shared_noise(regions, fits);
+  for (int k = 0; k < regions.regions; ++k) {
+    const bool few = inner_cells[k + 1] < std::max<double>(kInside, kInsideShare * fits[k].cells);
+    const PlaneSums& s = few ? all[k + 1] : inner[k + 1];
+    const double readings = few ? fits[k].readings : inner_readings[k + 1];
+    sigmas[k] = {};
+    if (!(s.n > 0)) continue;
+    // Inverse of the normal equations: about the means, then c at the origin.
+    const double mx = s.x / s.n, my = s.y / s.n;
+    const double xx = s.xx - mx * s.x, xy = s.xy - mx * s.y, yy = s.yy - my * s.y;
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 0)) continue;
+    const double aa = yy / determinant, bb = xx / determinant, ab = -xy / determinant;
+    const double cc = 1 / s.n + mx * mx * aa + my * my * bb + 2 * mx * my * ab;
+    // Where a plane leaves more than the noise, its coefficients are known less well, too.
+    const double residual = s.mean_square(fits[k].surface) * s.n / readings;
+    const double scale = shared * std::max(1.0, residual);
+    sigmas[k] = {std::sqrt(scale * aa), std::sqrt(scale * bb), std::sqrt(scale * cc)};
   }
 }
 

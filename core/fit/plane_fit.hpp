@@ -1,4 +1,4 @@
-// Weighted least squares in inverse depth, one plane for each region, from the cells' running sums:
+// Weighted least squares in inverse depth, one surface for each region, from the cells' moments:
 // each cell counts by one over its noise variance.
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace planecast {
 
-/// The plane of one region.
+/// The surface of one region.
 struct RegionFit {
-  FloatPlane plane;
+  FloatSurface surface;
   double residual = 0;  ///< mean squared residual of a reading, in noise variances
   double readings = 0;
   double min_sigma = 0;  ///< smallest noise of a reading in the region, inverse-depth steps
@@ -20,12 +20,19 @@ struct RegionFit {
 };
 
 /// Fits region k to fits[k - 1] for k = 1 .. regions.regions; fits.size() >= regions.regions.
-/// O(cells); no allocation.
+/// Cells at a region's border may hold readings of another surface and are left out where enough
+/// others are there. O(cells); no allocation.
 void fit_regions(const RegionMap& regions, std::span<RegionFit> fits) noexcept;
 
-/// Residual of one cell from a plane, in noise variances (mean square of a reading).
-inline double cell_residual(const Cell& cell, const FloatPlane& plane) noexcept {
-  return cell.sums.mean_square(plane) / cell.variance;
-}
+/// What a plane's coefficients are known to: standard deviations of a, b and c.
+struct PlaneSigmas {
+  double a = 0, b = 0, c = 0;
+};
+
+/// Standard deviations of the planes that fit_regions() finds, sigmas[k - 1] of region k, from the
+/// noise of the cells and from how far neighbouring cells share it, measured over the whole frame.
+/// Not meant for regions of degree two. Cold path: O(cells), no allocation.
+void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
+                  std::span<PlaneSigmas> sigmas) noexcept;
 
 }  // namespace planecast

@@ -31,12 +31,12 @@ Status SurfaceFitter::fit(const FitTables& tables, std::span<const std::uint16_t
       static_cast<std::uint32_t>(split_regions(regions, fits_, scratch_, options));
   const std::span<const RegionFit> fits =
       std::span(fits_).first(static_cast<std::size_t>(regions.regions));
-  const int shift = choose_shift(fits, largest_ray_sum(*tables.rays));
+  const int shift = choose_shift(fits, largest_ray_sum(*tables.rays, regions.curved != 0));
   report.shift = static_cast<std::uint8_t>(shift);
   std::array<std::uint8_t, kMaxSurfaces + 1> surface_of{};
   for (std::size_t k = 0; k < fits.size(); ++k) {
     if (!fits[k].valid) continue;
-    if (!quantise_surface(fits[k].plane, shift, surfaces[report.surfaces])) continue;
+    if (!quantise_surface(fits[k].surface, shift, surfaces[report.surfaces])) continue;
     surface_of[k + 1] = static_cast<std::uint8_t>(++report.surfaces);
   }
   const std::span<const Surface> found = surfaces.first(report.surfaces);

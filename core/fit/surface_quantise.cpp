@@ -17,10 +17,11 @@ bool quantise_coefficient(double value, int shift, std::int32_t& out) noexcept {
 
 }  // namespace
 
-double largest_ray_sum(const RayTable& rays) noexcept {
-  std::int64_t most = 0;
+double largest_ray_sum(const RayTable& rays, bool curved) noexcept {
+  double most = 0;
   const auto look = [&](std::uint32_t u, std::uint32_t v) {
-    most = std::max(most, std::int64_t{std::abs(rays.x(u, v))} + std::abs(rays.y(u, v)));
+    const double x = std::abs(rays.x(u, v)) * 0x1p-27, y = std::abs(rays.y(u, v)) * 0x1p-27;
+    most = std::max(most, x + y + (curved ? x * x + x * y + y * y : 0));
   };
   if (rays.width == 0 || rays.height == 0) return 1;
   for (std::uint32_t u = 0; u < rays.width; ++u) {
@@ -31,7 +32,7 @@ double largest_ray_sum(const RayTable& rays) noexcept {
     look(0, v);
     look(rays.width - 1U, v);
   }
-  return static_cast<double>(most) / (1 << 27) + 1;
+  return most + 1;
 }
 
 int choose_shift(std::span<const RegionFit> fits, double ray_sum) noexcept {
@@ -48,9 +49,10 @@ int choose_shift(std::span<const RegionFit> fits, double ray_sum) noexcept {
   return shift;
 }
 
-bool quantise_surface(const FloatPlane& plane, int shift, Surface& out) noexcept {
-  return quantise_coefficient(plane.a, shift, out.a) &&
-         quantise_coefficient(plane.b, shift, out.b) && quantise_coefficient(plane.c, shift, out.c);
+bool quantise_surface(const FloatSurface& s, int shift, Surface& out) noexcept {
+  return quantise_coefficient(s.a, shift, out.a) && quantise_coefficient(s.b, shift, out.b) &&
+         quantise_coefficient(s.c, shift, out.c) && quantise_coefficient(s.d, shift, out.d) &&
+         quantise_coefficient(s.e, shift, out.e) && quantise_coefficient(s.f, shift, out.f);
 }
 
 }  // namespace planecast

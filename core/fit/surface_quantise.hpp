@@ -17,15 +17,15 @@ inline constexpr double kRoundingShare = 0.15;
 /// Largest shift the wire can say.
 inline constexpr int kMaxSurfaceShift = 31;
 
-/// Largest |x| + |y| + 1 of any ray at the border of the image: what rounding errors of half a step
-/// in each coefficient add up to, in half steps.
-double largest_ray_sum(const RayTable& rays) noexcept;
+/// Largest |x| + |y| + 1 of any ray at the border of the image, with x^2 + |x y| + y^2 for degree
+/// two: what rounding errors of half a step in each coefficient add up to, in half steps.
+double largest_ray_sum(const RayTable& rays, bool curved) noexcept;
 
 /// Coarsest shift whose rounding error stays within kRoundingShare * sigma for every valid fit;
 /// 0 when there is none. `ray_sum`: largest_ray_sum().
 int choose_shift(std::span<const RegionFit> fits, double ray_sum) noexcept;
 
-/// The plane in multiples of 2^shift; false when a coefficient leaves +-kMaxSurfaceCoefficient.
-bool quantise_surface(const FloatPlane& plane, int shift, Surface& out) noexcept;
+/// The surface in multiples of 2^shift; false when a coefficient leaves +-kMaxSurfaceCoefficient.
+bool quantise_surface(const FloatSurface& surface, int shift, Surface& out) noexcept;
 
 }  // namespace planecast

@@ -2,14 +2,9 @@
 // adding pixels, cells or regions keeps. Encoder half; plain doubles, no library.
 #pragma once
 
-namespace planecast {
+#include "core/model/float_surface.hpp"
 
-/// A plane before it is rounded for the wire: w(x, y) = a x + b y + c, x and y the undistorted
-/// ray (x, y, 1), w the inverse depth in steps of 2^-31 per count.
-struct FloatPlane {
-  double a = 0, b = 0, c = 0;
-  double at(double x, double y) const noexcept { return a * x + b * y + c; }
-};
+namespace planecast {
 
 /// Weighted sums over readings. Value type; all calls O(1), no allocation.
 struct PlaneSums {
@@ -46,7 +41,7 @@ struct PlaneSums {
   }
 
   /// Least-squares plane of the readings; false when they lie on one line (or there are none).
-  bool solve(FloatPlane& out) const noexcept {
+  bool solve(FloatSurface& out) const noexcept {
     if (n <= 0) return false;
     const double mx = x / n, my = y / n, mw = w / n;
     const double cxx = xx - mx * x, cxy = xy - mx * y, cyy = yy - my * y;
@@ -60,7 +55,7 @@ struct PlaneSums {
   }
 
   /// Mean squared distance of the readings from a plane, in w; 0 for none.
-  double mean_square(const FloatPlane& p) const noexcept {
+  double mean_square(const FloatSurface& p) const noexcept {
     if (n <= 0) return 0;
     // About the means, so that large w does not cancel.
     const double mx = x / n, my = y / n, mw = w / n;

@@ -92,6 +92,34 @@ SimScene room_scene() {
   return scene;
 }
 
+SimScene curved_scene() {
+  SimScene scene;
+  SimBox hall = block(0, 0, 0, 8, 7, 3);
+  hall.inside_out = true;
+  scene.boxes.push_back(hall);
+  const Rotation upright;
+  const Rotation lying = rotation_of(turned_by(0.4, kPi / 2, 0));
+  scene.cylinders.push_back({{9.6, 3.5, 1.5}, 3.0, 1.5, upright});   // the bulging wall
+  scene.cylinders.push_back({{4.0, 9.0, 1.5}, 3.2, 1.5, upright});   // and another
+  scene.cylinders.push_back({{1.2, 1.2, 1.5}, 0.45, 1.5, upright});  // pillars
+  scene.cylinders.push_back({{6.2, 1.1, 1.5}, 0.35, 1.5, upright});
+  scene.cylinders.push_back({{1.3, 5.6, 1.5}, 0.60, 1.5, upright});
+  scene.cylinders.push_back({{4.0, 0.9, 0.55}, 0.55, 1.1, lying});  // tanks
+  scene.cylinders.push_back({{1.2, 3.4, 0.50}, 0.50, 0.8, lying});
+  scene.spheres.push_back({{5.8, 5.6, 0.65}, 0.65});
+  scene.spheres.push_back({{2.6, 5.4, 0.40}, 0.40});
+  scene.spheres.push_back({{6.4, 2.3, 0.50}, 0.50});
+  scene.path.centre = {3.9, 3.3, 1.35};
+  scene.path.radius_x = 0.8;
+  scene.path.radius_y = 0.7;
+  scene.path.period_s = 24;
+  scene.path.yaw = 0.2;
+  scene.path.yaw_rate = 2 * kPi / 40;
+  scene.path.pitch = 0.16;
+  scene.path.pitch_swing = 0.1;
+  return scene;
+}
+
 Pose camera_pose(const SimPath& path, double t_s) noexcept {
   // Optical axes (x right, y down, z forward) in a body that looks along x with z up.
   constexpr Pose kBodyFromOptical{0.5, -0.5, 0.5, -0.5, 0, 0, 0};

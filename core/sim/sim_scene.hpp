@@ -55,6 +55,10 @@ struct SimScene {
 /// leaning board, boxes, two spheres and two cylinders; the camera walks in the free middle.
 SimScene room_scene();
 
+/// `sim:curved`: a hall of 8 x 7 x 3 m with little in it that is flat but floor, ceiling and walls:
+/// a wall that bulges, pillars, tanks and spheres, close to the camera's round.
+SimScene curved_scene();
+
 /// World pose of the camera (optical axes) at a time; smooth in t_s [s].
 Pose camera_pose(const SimPath& path, double t_s) noexcept;
 

@@ -94,7 +94,7 @@ Status TilePacker::pack(const CodingTables& tables, const FrameModel& frame, con
     code_block_row(job, coder, row);
   }
   const std::size_t used = coder.finish();
-  if (coder.overflow()) return pack_verbatim(tables, frame, rect, out, report);
+  if (coder.overflow()) return store(tables, frame, rect, out, report);
   report = {used, job.points, job.corrections, false};
   return Status::kOk;
 }
@@ -119,9 +119,7 @@ void TilePacker::code_head(Job& job, RangeEncoder& coder) noexcept {
   coder.raw(job.frame.shift, 5);
   for (int i = 1; i <= job.local.count; ++i) {
     const Surface& surface = job.surface(static_cast<std::uint8_t>(i));
-    code_coefficient(coder, surface.a, job.frame.shift);
-    code_coefficient(coder, surface.b, job.frame.shift);
-    code_coefficient(coder, surface.c, job.frame.shift);
+    code_surface(coder, surface, job.frame.shift);
   }
 }
 
@@ -376,9 +374,8 @@ void TilePacker::code_block_row(Job& job, RangeEncoder& shared, std::uint32_t ro
   shared = coder;
 }
 
-Status TilePacker::pack_verbatim(const CodingTables& tables, const FrameModel& frame,
-                                 const TileRect& rect, std::span<std::uint8_t> out,
-                                 TileReport& report) noexcept {
+Status TilePacker::store(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
+                         std::span<std::uint8_t> out, TileReport& report) noexcept {
   const TileSpan span = tile_span(tables.config->camera, rect);
   RangeEncoder coder(out);
   coder.raw(kVerbatim, 1);

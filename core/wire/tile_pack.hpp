@@ -30,6 +30,10 @@ class TilePacker {
   Status pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
               std::span<std::uint8_t> out, TileReport& report) noexcept;
 
+  /// Stores the counts of `rect` as they are, 16 bits each. kTooLarge as pack().
+  Status store(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
+               std::span<std::uint8_t> out, TileReport& report) noexcept;
+
  private:
   enum class PixelKind : std::uint8_t { kHole, kPredicted, kFirstSurface, kSecondSurface };
   /// What is to be coded of one pixel.
@@ -64,8 +68,6 @@ class TilePacker {
   void code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const Token& token) noexcept;
   void code_correction(RangeEncoder& coder, const Token& token) noexcept;
-  Status pack_verbatim(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
-                       std::span<std::uint8_t> out, TileReport& report) noexcept;
 
   std::span<PixelRow> rows_;  ///< three rows with borders
   std::span<Token> tokens_;   ///< eight rows

@@ -19,6 +19,18 @@ Status read_coefficient(RangeDecoder& coder, int shift, std::int32_t& value) noe
   return Status::kOk;
 }
 
+Status read_surface(RangeDecoder& coder, int shift, Surface& out) noexcept {
+  const int degree = coder.raw(1) != 0 ? 2 : 1;
+  out = {};
+  constexpr std::int32_t Surface::*kCoefficients[] = {&Surface::a, &Surface::b, &Surface::c,
+                                                      &Surface::d, &Surface::e, &Surface::f};
+  for (int i = 0; i < 3 * degree; ++i) {
+    const Status status = read_coefficient(coder, shift, out.*kCoefficients[i]);
+    if (status != Status::kOk) return status;
+  }
+  return Status::kOk;
+}
+
 std::uint32_t read_tree(RangeDecoder& coder, BitModel* models, int bits) noexcept {
   std::uint32_t node = 1;
   for (int i = 0; i < bits; ++i) node = node * 2 + (coder.bit(models[node]) ? 1 : 0);
@@ -117,10 +129,8 @@ Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
   if (content.surfaces == 0) return Status::kOk;
   const auto shift = static_cast<int>(coder.raw(5));
   for (std::uint32_t i = 1; i <= content.surfaces; ++i) {
-    for (std::int32_t Surface::*coefficient : {&Surface::a, &Surface::b, &Surface::c}) {
-      const Status status = read_coefficient(coder, shift, job.surfaces[i].*coefficient);
-      if (status != Status::kOk) return status;
-    }
+    const Status status = read_surface(coder, shift, job.surfaces[i]);
+    if (status != Status::kOk) return status;
     content.surface[i - 1] = job.surfaces[i];
   }
   return Status::kOk;

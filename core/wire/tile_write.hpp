@@ -24,6 +24,17 @@ inline void code_coefficient(RangeEncoder& coder, std::int32_t value, int shift)
   coder.raw(magnitude & ((1U << low) - 1U), low);
 }
 
+inline void code_surface(RangeEncoder& coder, const Surface& surface, int shift) noexcept {
+  coder.raw(surface.curved() ? 1 : 0, 1);
+  code_coefficient(coder, surface.a, shift);
+  code_coefficient(coder, surface.b, shift);
+  code_coefficient(coder, surface.c, shift);
+  if (!surface.curved()) return;
+  code_coefficient(coder, surface.d, shift);
+  code_coefficient(coder, surface.e, shift);
+  code_coefficient(coder, surface.f, shift);
+}
+
 inline void code_tree(RangeEncoder& coder, BitModel* models, int bits,
                       std::uint32_t value) noexcept {
   std::uint32_t node = 1;

@@ -137,6 +137,9 @@ void add_scenes(std::vector<GoldenCase>& out) {
   GoldenCase* drop = add("surfaces_drop_40x24", 40, 24);
   set_bound(drop->config, ToleranceKind::kSurfaces, 1U << 16U);
   drop->config.drop_off_surface = true;
+  GoldenCase* curved = add("curved_160x120", 160, 120);
+  set_bound(curved->config, ToleranceKind::kSigma, 2U << 16U);
+  curved->depth = {integer_dome(160, 120, curved->config.lattice, 160)};
   set_bound(add("sigma_640x480", 640, 480)->config, ToleranceKind::kSigma, 2U << 16U);
   drop = add("surfaces_drop_640x480", 640, 480);
   set_bound(drop->config, ToleranceKind::kSurfaces, 2U << 16U);

@@ -49,4 +49,13 @@ std::vector<std::uint16_t> integer_wall(std::uint32_t width, std::uint32_t heigh
   });
 }
 
+std::vector<std::uint16_t> integer_dome(std::uint32_t width, std::uint32_t height,
+                                        const Lattice& lattice, std::uint64_t seed) {
+  return draw(width, height, lattice, seed, [&](std::uint32_t u, std::uint32_t v) {
+    const std::uint32_t x = 2 * u > width ? 2 * u - width : width - 2 * u;
+    const std::uint32_t y = 2 * v > height ? 2 * v - height : height - 2 * v;
+    return 200 - 60 * (x * x + y * y) / (width * width);
+  });
+}
+
 }  // namespace planecast::test

@@ -17,4 +17,8 @@ std::vector<std::uint16_t> integer_room(std::uint32_t width, std::uint32_t heigh
 std::vector<std::uint16_t> integer_wall(std::uint32_t width, std::uint32_t height,
                                         const Lattice& lattice, std::uint64_t seed);
 
+/// A dome: inverse depth is of degree two over the image.
+std::vector<std::uint16_t> integer_dome(std::uint32_t width, std::uint32_t height,
+                                        const Lattice& lattice, std::uint64_t seed);
+
 }  // namespace planecast::test

@@ -52,7 +52,7 @@ class DepthTile:
         self.fallback = max(1, s.levels.nearest(c.raw(16)))
         self.n = c.raw(6)
         shift = c.raw(5) if self.n else 0
-        self.surfaces = [None] + [tuple(coefficient(c, shift) for _ in range(3))
+        self.surfaces = [None] + [tuple(coefficient(c, shift) for _ in range(6 if c.raw(1) else 3))
                                   for _ in range(self.n)]
         self.blocks, self.pixels = {}, {}
         for y in range(by, by + bh):
@@ -99,7 +99,12 @@ class DepthTile:
 
     def inverse_depth(self, surface, u, v):
         x, y = self.s.rays[v * self.s.width + u]
-        return ((surface[0] * x + surface[1] * y) >> 27) + surface[2]
+        plane = ((surface[0] * x + surface[1] * y) >> 27) + surface[2]
+        if len(surface) == 3:
+            return plane
+        x, y = x >> 6, y >> 6
+        products = ((x * x) >> 20, (x * y) >> 20, (y * y) >> 20)
+        return plane + (sum(k * p for k, p in zip(surface[3:], products)) >> 22)
 
     # 8
     def plane(self, surface, bx, by):

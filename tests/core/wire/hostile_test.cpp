@@ -195,6 +195,7 @@ TEST(HostileSlices, CoefficientsPastThirtyBitsAreRefused) {
     coder.raw(1000, 16);
     coder.raw(1, 6);
     coder.raw(shift, 5);
+    coder.raw(shift % 2, 1);  // of degree one or two
     coder.raw(31 - std::min(shift, 30U), 5);
     packet.resize(kPacketHeaderBytes + coder.finish());
     test::reseal(packet);
@@ -209,7 +210,8 @@ TEST(HostileSlices, TheLargestCoefficientsTravel) {
   config.camera = test::random_camera(random, 16, 16, 1.0, false);
   WireBench b(config);
   b.surface_count = 1;
-  b.surfaces[0] = {kMaxSurfaceCoefficient, -kMaxSurfaceCoefficient, kMaxSurfaceCoefficient};
+  constexpr std::int32_t kMost = kMaxSurfaceCoefficient;
+  b.surfaces[0] = {kMost, -kMost, kMost, -kMost, kMost, kMost};
   for (BlockLabel& label : b.labels) label.first = 1;
   const Image image = test::random_image(random, config.camera, 0);
   EXPECT_EQ(b.unpack_all(b.pack(image, kFileSliceBytes)), image);

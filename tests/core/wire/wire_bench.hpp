@@ -104,6 +104,10 @@ struct WireBench {
       const double tilt = random.below(8) == 0 ? 50 : 0.2;
       surfaces[i] = {coefficient(c * between(random, -tilt, tilt)),
                      coefficient(c * between(random, -tilt, tilt)), coefficient(c)};
+      if (random.below(2) == 0) continue;
+      for (std::int32_t Surface::*bend : {&Surface::d, &Surface::e, &Surface::f}) {
+        surfaces[i].*bend = coefficient(c * between(random, -tilt, tilt));
+      }
     }
     for (BlockLabel& label : labels) {
       label.first = static_cast<std::uint8_t>(random.below(surface_count + 1));
