@@ -83,6 +83,7 @@ Result<CodedFrame> FrameCodec::encode(const StreamSetup& setup, const SensorFram
   const Status status = encoded.status;
   out.report = encoded.slot->report;
   out.counts = encoded.slot->counts;
+  out.effort = encoded.slot->effort;
   if (setup.encoder.stream.kind == FrameKind::kRawCloud) {
     out.counts.input += out_of_range_;
     out.counts.out_of_range = out_of_range_;

@@ -16,6 +16,7 @@ struct CodedFrame {
   std::vector<std::vector<std::uint8_t>> packets;  ///< sealed slices
   FrameReport report;
   PointCounts counts;
+  FrameEffort effort = FrameEffort::kFull;  ///< what --budget-ms allowed
   std::size_t bytes() const noexcept { return report.bytes; }
 };
 

@@ -90,6 +90,7 @@ void StreamSender::count(const FrameSlot& slot, std::uint32_t bytes) noexcept {
   recent_ns_[sent % kRecent].store(slot.packed_ns - slot.submitted_ns, std::memory_order_relaxed);
   add(readings_, slot.counts.input);
   add(surfaces_, slot.report.surfaces);
+  add(less_effort_, slot.effort == FrameEffort::kFull ? 0 : 1);
   add(bytes_, bytes);
   add(out_of_range_, slot.counts.out_of_range);
   add(outliers_dropped_, slot.counts.outliers_dropped);
@@ -107,6 +108,7 @@ SenderTotals StreamSender::totals() const noexcept {
   out.keys = get(keys_);
   out.readings = get(readings_);
   out.surfaces = get(surfaces_);
+  out.less_effort = get(less_effort_);
   out.bytes = get(bytes_);
   out.out_of_range = get(out_of_range_);
   out.outliers_dropped = get(outliers_dropped_);

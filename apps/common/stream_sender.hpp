@@ -33,6 +33,7 @@ struct SenderTotals {
   // Of the frames sent:
   std::uint64_t readings = 0;
   std::uint64_t surfaces = 0;
+  std::uint64_t less_effort = 0;  ///< frames that got less than full effort, for --budget-ms
   std::uint64_t bytes = 0;  ///< LCM payload, key packets and envelopes included
   std::uint64_t out_of_range = 0, outliers_dropped = 0, off_surface_dropped = 0;  ///< points
   std::uint64_t last_frame = 0;                                                   ///< its number
@@ -77,7 +78,7 @@ class StreamSender {
   std::int64_t key_stamp_ns_ = 0;
 
   Counter sent_{0}, failed_{0}, did_not_fit_{0}, keys_{0}, readings_{0}, surfaces_{0}, bytes_{0};
-  Counter out_of_range_{0}, outliers_dropped_{0}, off_surface_dropped_{0}, last_frame_{0};
+  Counter less_effort_{0}, out_of_range_{0}, outliers_dropped_{0}, off_surface_dropped_{0}, last_frame_{0};
   std::atomic<Status> first_failure_{Status::kOk};
   std::array<std::atomic<std::int64_t>, kRecent> recent_ns_{};
 };

@@ -68,7 +68,7 @@ Result<Done> check_scope(const CodecOptions& options, StreamSetup& setup) {
                  "get the paper's mode by --tolerance surfaces --off-surface drop --outliers drop"};
   }
   for (const char* name :
-       {"regenerate", "alpha", "smoothness", "k", "budget-ms", "lidar", "effort"}) {
+       {"regenerate", "alpha", "smoothness", "k", "lidar", "effort"}) {
     if (options.is_given(name))
       setup.notes.push_back(fmt::format("--{} has no effect on this input in this version", name));
   }
@@ -87,6 +87,7 @@ Result<StreamSetup> setup_stream(const CodecOptions& options, const SourceSensor
                                           : setup_cloud(options, sensor, first, setup);
   if (!done.ok()) return done.error();
   setup.encoder.stages.drop_outliers = options.outliers == Outliers::kDrop;
+  setup.encoder.budget_ms = options.budget_ms.value_or(0);
   const double rate = options.rate_hz.value_or(sensor.rate_hz);
   config.period_ms = static_cast<std::uint16_t>(std::clamp(std::lround(1000 / rate), 1L, 60000L));
   if (to_fixed(first.pose, config.pose) != Status::kOk) {

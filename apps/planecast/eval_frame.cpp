@@ -84,6 +84,7 @@ Result<EvaluatedFrame> FrameEvaluator::evaluate(const SensorFrame& frame) {
   out.name = frame.name;
   out.counts = coded->counts;
   out.report = coded->report;
+  out.effort = coded->effort;
   out.wire_slices = wire->report.slices;
   out.wire_bytes = wire_bytes_of(*wire, wire_->key_packet(frame).size(), rate_hz_);
 
@@ -124,6 +125,7 @@ nlohmann::ordered_json figures_of(const EvaluatedFrame& frame) {
           {"bound_utilisation", frame.verdict.utilisation},
           {"encode_ms", frame.encode_ms},
           {"decode_ms", frame.decode_ms},
+          {"effort", to_string(frame.effort)},
           {"surfaces", frame.report.surfaces},
           {"corrections", frame.report.corrections},
           {"outliers", counts.outliers},

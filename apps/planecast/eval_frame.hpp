@@ -17,6 +17,7 @@ namespace planecast {
 struct EvaluatedFrame {
   std::string name;
   PointCounts counts;
+  FrameEffort effort = FrameEffort::kFull;
   FrameReport report;       ///< of the file form
   FrameVerdict verdict;     ///< of the file form
   std::string wire_broken;  ///< the wire form's broken promise, if any

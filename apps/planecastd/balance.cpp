@@ -41,6 +41,7 @@ void add_content(std::vector<std::string>& lines, const StreamCounts& counts) {
                   "{} key packets",
                   static_cast<double>(sender.surfaces) / frames, human_bytes(raw / frames),
                   human_bytes(packed / frames), raw / packed, sender.keys));
+  add_count(lines, "frames", sender.less_effort, "coded with less effort, to keep --budget-ms");
   add_count(lines, "points", sender.out_of_range + counts.gated_readings,
             "out of --range, made holes");
   add_count(lines, "points", sender.outliers_dropped, "outliers, dropped as asked");

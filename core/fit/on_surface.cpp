@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/model/lanes.hpp"
+#include "core/base/lanes.hpp"
 #include "core/predict/block_surface.hpp"
 
 namespace planecast {

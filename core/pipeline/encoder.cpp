@@ -104,10 +104,17 @@ Result<std::unique_ptr<Encoder>> Encoder::create(const EncoderConfig& config,
         status,
         "the camera's distortion cannot be undone over the whole image; check the coefficients"};
   }
-  encoder->filter_.bind(encoder->tables_, config.stages);
-  encoder->segment_.bind(encoder->tables_, config.stages);
-  encoder->fit_.bind(encoder->tables_, config.stages);
-  encoder->pack_.bind(encoder->tables_, config.stages);
+  // What drops all that lies on no surface must look for surfaces, whatever the time.
+  encoder->budget_.set(
+      static_cast<std::int64_t>(config.budget_ms * 1e6), config.clock,
+      config.stream.camera.pixels(),
+      config.stream.drop_off_surface ? FrameEffort::kPlanes : FrameEffort::kStored);
+  StageOptions options = config.stages;
+  options.budget = &encoder->budget_;
+  encoder->filter_.bind(encoder->tables_, options);
+  encoder->segment_.bind(encoder->tables_, options);
+  encoder->fit_.bind(encoder->tables_, options);
+  encoder->pack_.bind(encoder->tables_, options);
   return encoder;
 }
 

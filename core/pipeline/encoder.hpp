@@ -22,6 +22,8 @@ struct EncoderConfig {
   StageOptions stages;
   RunnerConfig runner;
   ArenaOptions memory;
+  double budget_ms = 0;              ///< CPU time of one frame over all stages; 0 = no limit
+  FrameClock clock = thread_cpu_ns;  ///< what the budget is measured by
 };
 
 /// A depth image to encode; not owned, copied by submit().
@@ -85,6 +87,7 @@ class Encoder {
   EncoderConfig config_;
   Arena arena_;
   StreamTables tables_;
+  FrameBudget budget_;
   std::span<FrameSlot> slots_;
   FilterStage filter_;
   SegmentStage segment_;

@@ -7,6 +7,7 @@
 #include "core/base/arena.hpp"
 #include "core/model/frame_model.hpp"
 #include "core/model/region_map.hpp"
+#include "core/pipeline/frame_budget.hpp"
 #include "core/pipeline/stream_tables.hpp"
 #include "core/wire/frame_pack.hpp"
 
@@ -17,7 +18,7 @@ namespace planecast {
 struct PointCounts {
   std::uint32_t input = 0;  ///< readings in the frame as submitted
   std::uint32_t out_of_range = 0;
-  std::uint32_t outliers = 0;  ///< flagged; dropped only when asked
+  std::uint32_t outliers = 0;  ///< flagged, which happens only when they are dropped
   std::uint32_t outliers_dropped = 0;
   std::uint32_t on_surface = 0;           ///< surfaces contract: within the bound of a surface
   std::uint32_t off_surface = 0;          ///< surfaces contract: the rest
@@ -36,6 +37,8 @@ struct FrameSlot {
   // filter
   std::span<std::uint8_t> outliers;  ///< 1: flagged
   PointCounts counts;
+  FrameEffort effort = FrameEffort::kFull;  ///< what the time allowed; stages may lower it
+  std::int64_t spent_ns = 0;                ///< by stages that watch a budget
   // segment
   std::span<Cell> cells;
   std::span<std::uint8_t> cell_labels;
@@ -60,6 +63,8 @@ struct FrameSlot {
     stamp_ns = captured_ns;
     submitted_ns = now_ns;
     counts = {};
+    effort = FrameEffort::kFull;
+    spent_ns = 0;
     regions = {};
     surface_count = 0;
     shift = 0;

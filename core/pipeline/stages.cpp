@@ -13,6 +13,53 @@ std::uint32_t readings(std::span<const std::uint16_t> depth) noexcept {
       depth.size() - static_cast<std::size_t>(std::count(depth.begin(), depth.end(), 0)));
 }
 
+// Plans a stage's effort at its start; learns at its end, and adds to what the frame has spent.
+class TimedWork {
+ public:
+  TimedWork(FrameBudget* budget, TimedStage stage, FrameSlot& slot) noexcept
+      : budget_(budget != nullptr && budget->limited() ? budget : nullptr),
+        stage_(stage),
+        slot_(slot) {
+    if (budget_ == nullptr) return;
+    begin_ns_ = budget_->now();
+    slot_.effort = effort_ = budget_->plan(stage_, slot_.effort, slot_.spent_ns);
+  }
+  TimedWork(const TimedWork&) = delete;
+  TimedWork& operator=(const TimedWork&) = delete;
+  ~TimedWork() {
+    if (budget_ == nullptr) return;
+    const std::int64_t took = budget_->now() - begin_ns_;
+    slot_.spent_ns += took;
+    budget_->learn(stage_, effort_, took);
+  }
+
+ private:
+  FrameBudget* budget_;
+  TimedStage stage_;
+  FrameSlot& slot_;
+  FrameEffort effort_ = FrameEffort::kFull;  ///< planned
+  std::int64_t begin_ns_ = 0;
+};
+
+// The filter's time has no effort to choose, but counts.
+class FilterWork {
+ public:
+  FilterWork(FrameBudget* budget, FrameSlot& slot) noexcept
+      : budget_(budget != nullptr && budget->limited() ? budget : nullptr), slot_(slot) {
+    if (budget_ != nullptr) begin_ns_ = budget_->now();
+  }
+  FilterWork(const FilterWork&) = delete;
+  FilterWork& operator=(const FilterWork&) = delete;
+  ~FilterWork() {
+    if (budget_ != nullptr) slot_.spent_ns += budget_->now() - begin_ns_;
+  }
+
+ private:
+  FrameBudget* budget_;
+  FrameSlot& slot_;
+  std::int64_t begin_ns_ = 0;
+};
+
 }  // namespace
 
 void FilterStage::layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept {
@@ -26,19 +73,20 @@ void FilterStage::bind(const StreamTables& tables, const StageOptions& options) 
 
 Status FilterStage::process(FrameSlot& slot) noexcept {
   slot.counts = {};
+  const FilterWork work(options_.budget, slot);
   if (tables_->config().kind != FrameKind::kDepth) return Status::kOk;
   slot.counts.input = readings(slot.depth);
   if (options_.range_min > 0 || options_.range_max < 65535) {
     slot.counts.out_of_range = apply_range_gate(slot.depth, options_.range_min, options_.range_max);
   }
+  if (!options_.drop_outliers) return Status::kOk;  // flags that nobody reads cost a millisecond
   OutlierCounts outliers;
   const CameraModel& camera = tables_->config().camera;
   const Status status =
       filter_.process(slot.depth, camera.width, camera.height, {}, slot.outliers, outliers);
   if (status != Status::kOk) return status;
   slot.counts.outliers = outliers.outliers;
-  if (options_.drop_outliers)
-    slot.counts.outliers_dropped = drop_flagged(slot.depth, slot.outliers);
+  slot.counts.outliers_dropped = drop_flagged(slot.depth, slot.outliers);
   return Status::kOk;
 }
 
@@ -54,8 +102,13 @@ void SegmentStage::bind(const StreamTables& tables, const StageOptions& options)
 Status SegmentStage::process(FrameSlot& slot) noexcept {
   slot.regions = {};
   if (tables_->config().kind != FrameKind::kDepth || !options_.surfaces) return Status::kOk;
+  const TimedWork work(options_.budget, TimedStage::kSegment, slot);
+  if (slot.effort >= FrameEffort::kNeighbours) return Status::kOk;
   RegionMap found;
-  const Status status = segmenter_.process(tables_->config(), tables_->rays(), slot.depth, found);
+  GrowingOptions options;
+  options.curved = options_.curved && slot.effort == FrameEffort::kFull;
+  const Status status =
+      segmenter_.process(tables_->config(), tables_->rays(), slot.depth, found, options);
   if (status != Status::kOk) return status;
   // The segmenter goes on to the next frame while this one is fitted: the slot keeps its own copy.
   std::copy(found.cells.begin(), found.cells.end(), slot.cells.begin());
@@ -82,9 +135,14 @@ Status FitStage::process(FrameSlot& slot) noexcept {
   if (config.kind != FrameKind::kDepth) return Status::kOk;
   std::fill(slot.blocks.begin(), slot.blocks.end(), BlockLabel{});
   if (!options_.surfaces) return Status::kOk;
+  const TimedWork work(options_.budget, TimedStage::kFit, slot);
+  if (slot.effort >= FrameEffort::kNeighbours) return Status::kOk;
   const FitTables tables{&config, &tables_->rays(), &tables_->levels(), &tables_->bounds()};
   FitReport report;
-  Status status = fitter_.fit(tables, slot.depth, slot.regions, slot.blocks, slot.surfaces, report);
+  ConsensusOptions consensus;
+  if (slot.effort != FrameEffort::kFull) consensus.trials = 0;
+  Status status =
+      fitter_.fit(tables, slot.depth, slot.regions, slot.blocks, slot.surfaces, report, consensus);
   if (status != Status::kOk) return status;
   slot.surface_count = report.surfaces;
   slot.shift = report.shift;
@@ -116,12 +174,22 @@ Status PackStage::process(FrameSlot& slot) noexcept {
   const FrameIdentity identity{config.stream, static_cast<std::uint32_t>(slot.number),
                                stamp_offset(slot.stamp_ns, config.epoch_ns), tables_->key_hash()};
   slot.report = {};
+  const TimedWork work(options_.budget, TimedStage::kPack, slot);
+  PackDeadline deadline;
+  if (options_.budget != nullptr && options_.budget->limited()) {
+    deadline.clock = options_.budget->now_function();
+    deadline.end_ns = deadline.clock();
+    if (slot.effort != FrameEffort::kStored)
+      deadline.end_ns += options_.budget->budget_ns() - slot.spent_ns;
+    deadline.stored_ns = options_.budget->expected(TimedStage::kPack, FrameEffort::kStored);
+  }
   const Status status =
       config.kind == FrameKind::kDepth
           ? packer_.pack(tables_->coding(), slot.model(), identity, options_.slice_bytes,
-                         slot.packed, slot.places, slot.report)
+                         slot.packed, slot.places, slot.report, deadline)
           : raw_packer_.pack(config, slot.points, identity, options_.slice_bytes, slot.packed,
                              slot.places, slot.report);
+  if (slot.report.stored_tiles > 0) slot.effort = FrameEffort::kStored;
   if (status != Status::kOk) slot.report = {};  // slices of half a frame are none
   if (config.kind == FrameKind::kRawCloud) slot.counts.input = slot.report.points;
   slot.counts.kept = slot.report.points;

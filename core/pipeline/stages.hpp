@@ -26,7 +26,9 @@ struct StageOptions {
   std::uint16_t range_min = 0;     ///< [counts] readings outside become holes
   std::uint16_t range_max = 65535;
   bool drop_outliers = false;
-  bool surfaces = true;  ///< false: neighbour prediction only
+  bool surfaces = true;           ///< false: neighbour prediction only
+  bool curved = true;             ///< surfaces of degree two where they pay
+  FrameBudget* budget = nullptr;  ///< shared by the stages of one encoder; none = no limit
 };
 
 /// Range gate and statistical outlier filter.

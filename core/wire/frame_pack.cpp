@@ -15,6 +15,11 @@ constexpr std::uint32_t kReadingCost = 3;
 constexpr std::uint32_t kCorrectionCost = 40;
 constexpr std::uint32_t kDoublingCost = 20;  // of a correction of twice the steps
 constexpr std::uint32_t kMixedCost = 5;
+// Against a deadline no tile is more than this share of a frame, and a tile may take this much
+// longer than those before it.
+constexpr std::uint32_t kDeadlineTiles = 32;
+constexpr double kSlowTile = 1.5;
+constexpr std::size_t kStoredHead = 16;  // bytes
 
 std::uint32_t ceil_blocks(std::uint32_t pixels) noexcept {
   return (pixels + 7) / 8;
@@ -79,6 +84,9 @@ struct FramePacker::Job {
   FrameReport& report;
   bool one_slice = false;  ///< any frame fits: nothing to estimate
   Moments moments = {};
+  PackDeadline deadline = {};
+  std::int64_t begin_ns = 0;
+  std::uint32_t blocks = 0, blocks_done = 0;
 };
 
 std::size_t frame_capacity(std::uint32_t width, std::uint32_t height) noexcept {
@@ -99,15 +107,18 @@ void FramePacker::layout(Arena& arena, std::uint32_t max_width, std::uint32_t ma
 Status FramePacker::pack(const CodingTables& tables, const FrameModel& frame,
                          const FrameIdentity& identity, std::size_t slice_bytes,
                          std::span<std::uint8_t> out, std::span<SlicePlace> places,
-                         FrameReport& report) noexcept {
+                         FrameReport& report, const PackDeadline& deadline) noexcept {
   if (slice_bytes < kMinSliceBytes) return Status::kBadConfig;
   Job job{tables, frame, identity, slice_bytes, out, places, report};
   const CameraModel& camera = tables.config->camera;
   job.one_slice = slice_bytes >= frame_capacity(camera.width, camera.height) &&
-                  std::max(camera.width, camera.height) <= kMaxTileSide;
+                  std::max(camera.width, camera.height) <= kMaxTileSide &&
+                  deadline.clock == nullptr;
+  job.deadline = deadline;
+  if (deadline.clock != nullptr) job.begin_ns = deadline.clock();
   if (!job.one_slice) estimate_costs(tables, frame);
   Status status = pack_whole(job);
-  if (status == Status::kOk && !calibrated_ && report.slices > 1) {
+  if (status == Status::kOk && !calibrated_ && report.slices > 1 && deadline.clock == nullptr) {
     // The first frame was cut by guess; now that its cost is known, cut it again.
     calibrated_ = true;
     calibrate(job, 1);
@@ -132,7 +143,9 @@ Status FramePacker::pack_whole(Job& job) noexcept {
   job.report = {};
   job.report.surfaces = static_cast<std::uint32_t>(job.frame.surfaces.size());
   job.moments = {};
+  job.blocks_done = 0;
   const CameraModel& camera = job.tables.config->camera;
+  job.blocks = blocks_wide(camera) * blocks_high(camera);
   return pack_rect(job, {0, 0, blocks_wide(camera), blocks_high(camera)});
 }
 
@@ -195,10 +208,28 @@ double FramePacker::budget_bits(const Job& job) noexcept {
   return static_cast<double>(job.slice_bytes - kPacketHeaderBytes) * kFill - kTileHeadBits;
 }
 
+// Whether what is left could not be stored in time any more after coding this tile at the pace so
+// far; the first tiles, without a pace, are small.
+bool FramePacker::too_late(const Job& job, const TileRect& rect) noexcept {
+  if (job.deadline.clock == nullptr) return false;
+  const double tile = rect.bw * rect.bh, done = job.blocks_done;
+  const auto gone = static_cast<double>(job.deadline.clock() - job.begin_ns);
+  const auto left = static_cast<double>(job.deadline.end_ns - job.begin_ns) - gone;
+  const double coding = done > 0 ? kSlowTile * gone * tile / done : 0;
+  const double storing =
+      static_cast<double>(job.deadline.stored_ns) * (job.blocks - done - tile) / job.blocks;
+  return coding + storing > left;
+}
+
 Status FramePacker::pack_rect(Job& job, const TileRect& rect) noexcept {
   const bool fits_syntax = rect.bw <= kMaxTileBlocks && rect.bh <= kMaxTileBlocks;
   const std::size_t body = job.slice_bytes - kPacketHeaderBytes;
-  const bool likely = job.one_slice || estimate(job, rect) <= budget_bits(job);
+  const bool small = job.deadline.clock == nullptr ||
+                     rect.bw * rect.bh * kDeadlineTiles <= std::max(job.blocks, kDeadlineTiles);
+  const bool stored = small && too_late(job, rect);
+  const bool likely =
+      job.one_slice || (small && (stored ? (rect.bw * rect.bh * 128 + kStoredHead <= body)
+                                         : estimate(job, rect) <= budget_bits(job)));
   const bool single = rect.bw == 1 && rect.bh == 1;
   if (!fits_syntax || (!likely && !single)) return pack_halves(job, rect);
 
@@ -207,8 +238,9 @@ Status FramePacker::pack_rect(Job& job, const TileRect& rect) noexcept {
   if (job.out.size() < offset + kPacketHeaderBytes) return Status::kTooLarge;
   const std::size_t room = std::min(body, job.out.size() - offset - kPacketHeaderBytes);
   TileReport tile;
-  const Status status = tiles_.pack(job.tables, job.frame, rect,
-                                    job.out.subspan(offset + kPacketHeaderBytes, room), tile);
+  const std::span<std::uint8_t> into = job.out.subspan(offset + kPacketHeaderBytes, room);
+  const Status status = stored ? tiles_.store(job.tables, job.frame, rect, into, tile)
+                               : tiles_.pack(job.tables, job.frame, rect, into, tile);
   if (status == Status::kTooLarge && !single) return pack_halves(job, rect);
   if (status != Status::kOk) return status;
   const auto bytes = static_cast<std::uint32_t>(kPacketHeaderBytes + tile.bytes);
@@ -216,7 +248,9 @@ Status FramePacker::pack_rect(Job& job, const TileRect& rect) noexcept {
   job.report.bytes += bytes;
   job.report.points += tile.points;
   job.report.corrections += tile.corrections;
-  if (job.one_slice) return Status::kOk;
+  job.report.stored_tiles += stored ? 1 : 0;
+  job.blocks_done += rect.bw * rect.bh;
+  if (job.one_slice || stored) return Status::kOk;
   const auto [off, on] = costs(job, rect);
   job.moments.add(off, on, static_cast<double>(tile.bytes) * 8 - kTileHeadBits);
   return Status::kOk;

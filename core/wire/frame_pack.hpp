@@ -40,6 +40,15 @@ struct FrameReport {
   std::uint32_t points = 0;
   std::uint32_t corrections = 0;  ///< points with a correction that is not zero
   std::uint32_t surfaces = 0;
+  std::uint32_t stored_tiles = 0;  ///< for want of time
+};
+
+/// When a frame must be packed. Tiles that begin so late that storing the rest would just end in
+/// time hold their counts as they are: nothing is lost but bytes.
+struct PackDeadline {
+  std::int64_t (*clock)() noexcept = nullptr;  ///< none = no limit; [ns]
+  std::int64_t end_ns = 0;
+  std::int64_t stored_ns = 0;  ///< what storing a whole frame takes
 };
 
 /// Bytes that a frame can never exceed, whatever its content.
@@ -58,7 +67,7 @@ class FramePacker {
   /// allocation.
   Status pack(const CodingTables& tables, const FrameModel& frame, const FrameIdentity& identity,
               std::size_t slice_bytes, std::span<std::uint8_t> out, std::span<SlicePlace> places,
-              FrameReport& report) noexcept;
+              FrameReport& report, const PackDeadline& deadline = {}) noexcept;
 
  private:
   struct Job;
@@ -73,6 +82,7 @@ class FramePacker {
   Status pack_whole(Job& job) noexcept;
   void calibrate(const Job& job, double share) noexcept;
   static double budget_bits(const Job& job) noexcept;
+  static bool too_late(const Job& job, const TileRect& rect) noexcept;
   Status pack_rect(Job& job, const TileRect& rect) noexcept;
   Status pack_halves(Job& job, const TileRect& rect) noexcept;
 
