@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """docs/paper-results.md and its plots of the rows that bench/paper.sh gathers.
 
-usage: paper_report.py ROWS.json ROOT
+usage: paper_report.py ROWS.json ROOT     also keeps the rows as ROOT/docs/plots/paper_rows.json
 """
 import json
 import os
@@ -230,7 +230,15 @@ def main():
     os.makedirs(plots, exist_ok=True)
     figure5 = figures(rows, plots)
     skipped = sorted({r["name"] for r in of(rows, "skipped")})
-    page = [INTRO, "## Table 1: sizes after each step", table1(rows),
+    clouds = ", ".join(dict.fromkeys(r["cloud"] for r in of(rows, "chain")))
+    missing = [c for c in PAPER_TABLE3 if c != "the paper's chain"
+               and c not in {r["codec"] for r in of(rows, "baseline")}]
+    with open(os.path.join(plots, "paper_rows.json"), "w", encoding="utf-8") as file:
+        file.write("".join(json.dumps(r) + "\n" for r in rows))
+    page = [INTRO, f"Clouds with rows here: {clouds}. Of the compared systems without rows here: "
+            f"{', '.join(missing) or 'none'}. A sweep or comparison that was cut short shows what was "
+            "finished; `plots/paper_rows.json` has every row, the command makes them all.",
+            "## Table 1: sizes after each step", table1(rows),
             "## Table 2 and Figure 8: by class of structure", table2(rows),
             "What Figure 8 of the paper shows is not known; read as ratio and error by class.",
             "![figure 8](plots/paper_figure8.svg)",
