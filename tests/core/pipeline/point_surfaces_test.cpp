@@ -13,6 +13,7 @@
 #include "core/regen/patch_fill.hpp"
 #include "core/wire/patch_pack.hpp"
 #include "core/wire/patch_unpack.hpp"
+#include "tests/support/heap_guard.hpp"
 
 namespace planecast {
 namespace {
@@ -174,6 +175,25 @@ TEST_P(PointSurfacesTest, OffsetsOfAMapGridStillGiveThePlanes) {
   (void)through_the_wire();
   ASSERT_EQ(run(room(300, 200)), Status::kOk);
   EXPECT_GT(surfaces_.on_surface(), kMost / 2);
+}
+
+TEST_P(PointSurfacesTest, TakesNothingFromTheHeap) {
+  using test::HeapGuard;
+  if (!HeapGuard::available()) GTEST_SKIP() << "the heap guard is not in this build";
+  const std::vector<Point3f> points = room();
+  std::vector<std::uint8_t> bytes(std::size_t{1} << 18U);
+  std::vector<SlicePlace> places(500);
+  FrameReport report;
+  HeapGuard::reset();
+  HeapGuard::arm_this_thread("surfaces");
+  const Status found = run(points);
+  const Status packed =
+      packer_.pack(surfaces_.drafts(), surfaces_.cells(), {}, 1200, bytes, places, report);
+  const test::HeapGuardTotals totals = HeapGuard::this_thread();
+  HeapGuard::disarm_this_thread();
+  EXPECT_EQ(found, Status::kOk);
+  EXPECT_EQ(packed, Status::kOk);
+  EXPECT_EQ(totals.sum(), 0U) << HeapGuard::first_offender();
 }
 
 TEST_P(PointSurfacesTest, RefusesMorePointsThanItHasMemoryFor) {
