@@ -204,10 +204,11 @@ class HullMaker {
       if (std::size_t{draft.wide} * draft.high <= most || draft.pitch_log2 == kMaxPitchLog2) break;
     }
     const std::size_t count = std::size_t{draft.wide} * draft.high;
+    occupied = 0;
+    if (count > most) return Status::kOk;  // too wide for any pitch: none occupied, to be cut
     if (count > output_.cells.size() - output_.cells_used) return Status::kTooLarge;
     cells = output_.cells.subspan(output_.cells_used, count);
     std::fill(cells.begin(), cells.end(), DraftCell{});
-    occupied = 0;
     for (const std::uint32_t m : part) {
       DraftCell& cell = cells[grid_.cell(draft, m)];
       occupied += cell.inside() ? 0 : 1;

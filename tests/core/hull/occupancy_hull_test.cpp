@@ -208,6 +208,16 @@ TEST(OccupancyHull, SparsePointsGetWiderCells) {
   }
 }
 
+TEST(OccupancyHull, APlaneTooWideForTheWidestCellsIsCut) {
+  Scene scene(0.5, [](double, double) { return false; });
+  for (int i = 0; i < 2500; ++i) scene.add(600.0 * (i % 50), 600.0 * (i / 50), 1);  // 30 km
+  for (int i = 0; i < 400; ++i) scene.add(0.01 * (i % 20), 0.01 * (i / 20), 1);
+  scene.plane = {0, 0, 1, -1, 0, 0, 2900};
+  ASSERT_EQ(scene.make(), Status::kOk);
+  EXPECT_GE(scene.kept, 400U);
+  EXPECT_EQ(scene.draft_points(), scene.kept);
+}
+
 TEST(OccupancyHull, PilesOnePointAndFarPointsGiveAResultOrAStatus) {
   Scene pile(0.5, [](double, double) { return false; });
   for (int i = 0; i < 100; ++i) pile.add(1, 2, 3);
