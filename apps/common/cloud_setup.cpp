@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/common/points_setup.hpp"
 #include "apps/common/stream_settle.hpp"
 #include "core/io/cloud_builder.hpp"
 #include "core/sensor/estimate_camera.hpp"
@@ -41,6 +42,15 @@ Extent extent_of(const PointCloud& cloud, const StreamConfig& config) {
   return out;
 }
 
+// Whether the list coder can keep what was asked for: a bound, and a sigma that is the same for
+// all.
+bool list_fits(const CodecOptions& options, const StreamSetup& setup) {
+  const bool sigmas = setup.contract.kind == ToleranceKind::kSigma ||
+                      setup.contract.kind == ToleranceKind::kSurfaces;
+  const bool stereo = options.noise && options.noise->kind == NoiseModel::Kind::kStereo;
+  return setup.contract.kind != ToleranceKind::kLossless && !(sigmas && stereo);
+}
+
 void make_raw(const CodecOptions& options, const SensorFrame& first, StreamSetup& setup,
               const std::string& why) {
   StreamConfig& config = setup.encoder.stream;
@@ -70,23 +80,10 @@ void make_raw(const CodecOptions& options, const SensorFrame& first, StreamSetup
 
 Result<Done> check_cloud(const SensorFrame& first) {
   const PointCloud& cloud = first.cloud;
-  if (!cloud.organised()) {
-    return Error{Status::kUnreadable,
-                 first.name +
-                     ": is a list of points without a grid (height 1), which this version "
-                     "does not code; give the depth images, or a PCD file saved organised "
-                     "(WIDTH and HEIGHT of the sensor, NaN for holes)"};
-  }
   if (cloud.width > kMaxImageSide || cloud.height > kMaxImageSide) {
     return Error{Status::kUnreadable,
                  fmt::format("{}: {}x{} is larger than {} a side; cut it", first.name, cloud.width,
                              cloud.height, kMaxImageSide)};
-  }
-  if (has_origin(cloud)) {
-    return Error{Status::kUnreadable,
-                 first.name +
-                     ": its coordinates are too large for float32 (mapped data?); subtract "
-                     "an offset first, e.g. the sensor's position"};
   }
   return Done{};
 }
@@ -240,6 +237,7 @@ Result<Done> setup_cloud(const CodecOptions& options, const SourceSensor& sensor
                          const SensorFrame& first, StreamSetup& setup) {
   if (const auto fine = check_cloud(first); !fine.ok()) return fine.error();
   setup.cloud_input = true;
+  if (has_origin(first.cloud)) return setup_points(options, sensor, first, setup);
   if (!first.cloud.dropped_fields.empty()) {
     setup.notes.push_back(fmt::format("{}: fields not carried by this version: {}", first.name,
                                       fmt::join(first.cloud.dropped_fields, ", ")));
@@ -256,6 +254,11 @@ Result<Done> setup_cloud(const CodecOptions& options, const SourceSensor& sensor
     why = as_depth ? settle_share(first, setup)
                    : first.name + ": some points have no depth in front of the camera";
     as_depth = why.empty();
+  }
+  if (!as_depth && list_fits(options, setup)) {
+    settle_tolerance(options, setup);  // a trial on the grid may have taken something off
+    setup.notes.push_back(why + "; coded as a list of points without order");
+    return setup_points(options, sensor, first, setup);
   }
   if (!as_depth) {
     make_raw(options, first, setup, why);

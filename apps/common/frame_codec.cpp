@@ -6,7 +6,9 @@
 #include <ctime>
 #include <utility>
 
+#include "apps/common/points_setup.hpp"
 #include "core/wire/key_packet.hpp"
+#include "core/wire/point_pack.hpp"
 #include "core/wire/raw_pack.hpp"
 
 namespace planecast {
@@ -15,6 +17,23 @@ namespace {
 bool same_size(const StreamSetup& setup, const DepthImage& image) {
   const CameraModel& camera = setup.encoder.stream.camera;
   return image.width == camera.width && image.height == camera.height;
+}
+
+struct LeastSlice {
+  const char* what;
+  std::size_t bytes;
+};
+
+LeastSlice least_slice(FrameKind kind) {
+  switch (kind) {
+    case FrameKind::kRawCloud:
+      return {"raw clouds", kMinRawSliceBytes};
+    case FrameKind::kPoints:
+      return {"points", kMinPointSliceBytes};
+    case FrameKind::kDepth:
+      break;
+  }
+  return {"depth images", kMinSliceBytes};
 }
 
 }  // namespace
@@ -34,14 +53,12 @@ double median_ms(std::vector<double> ms) {
 
 Result<FrameCodec> FrameCodec::create(const StreamSetup& setup, std::size_t slice_bytes) {
   EncoderConfig config = setup.encoder;
-  const bool raw = config.stream.kind == FrameKind::kRawCloud;
-  const std::size_t least = raw ? kMinRawSliceBytes : kMinSliceBytes;
-  if (slice_bytes < least) {
-    return Error{
-        Status::kUsage,
-        fmt::format("--slice-bytes: leaves {} bytes for a packet, but {} of this stream "
-                    "need {}; raise it by {}",
-                    slice_bytes, raw ? "raw clouds" : "depth images", least, least - slice_bytes)};
+  const LeastSlice least = least_slice(config.stream.kind);
+  if (slice_bytes < least.bytes) {
+    return Error{Status::kUsage,
+                 fmt::format("--slice-bytes: leaves {} bytes for a packet, but {} of this stream "
+                             "need {}; raise it by {}",
+                             slice_bytes, least.what, least.bytes, least.bytes - slice_bytes)};
   }
   config.stages.slice_bytes = slice_bytes;
   config.runner.mode = RunMode::kInline;
@@ -56,7 +73,10 @@ Result<FrameCodec> FrameCodec::create(const StreamSetup& setup, std::size_t slic
 
 Result<Done> FrameCodec::submit(const StreamSetup& setup, const SensorFrame& frame) {
   Status status = Status::kOk;
-  if (setup.encoder.stream.kind == FrameKind::kRawCloud) {
+  if (setup.encoder.stream.kind == FrameKind::kPoints) {
+    if (const auto done = to_points(setup, frame, points_); !done.ok()) return done.error();
+    status = encoder_->submit(points_, frame.number, frame.stamp_ns);
+  } else if (setup.encoder.stream.kind == FrameKind::kRawCloud) {
     const auto gated = to_raw_points(setup, frame, points_);
     if (!gated.ok()) return gated.error();
     out_of_range_ = *gated;
@@ -74,6 +94,16 @@ Result<Done> FrameCodec::submit(const StreamSetup& setup, const SensorFrame& fra
   return Done{};
 }
 
+CodedList list_of(const FrameSlot& slot) {
+  CodedList out;
+  for (std::uint32_t i = 0; i < slot.listed; ++i) {
+    const auto fate = static_cast<PointFate>(slot.fates[i]);
+    out.points.push_back(slot.points[i]);
+    out.fates.push_back(fate);
+  }
+  return out;
+}
+
 Result<CodedFrame> FrameCodec::encode(const StreamSetup& setup, const SensorFrame& frame) {
   if (const auto done = submit(setup, frame); !done.ok()) return done.error();
   EncodedFrame encoded;
@@ -88,6 +118,7 @@ Result<CodedFrame> FrameCodec::encode(const StreamSetup& setup, const SensorFram
     out.counts.input += out_of_range_;
     out.counts.out_of_range = out_of_range_;
   }
+  if (setup.encoder.stream.kind == FrameKind::kPoints) out.list = list_of(*encoded.slot);
   for (std::uint32_t i = 0; status == Status::kOk && i < out.report.slices; ++i) {
     const auto slice = encoded.slot->slice(i);
     out.packets.emplace_back(slice.begin(), slice.end());

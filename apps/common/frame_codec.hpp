@@ -11,12 +11,20 @@
 
 namespace planecast {
 
+/// A list's points in range, and what became of each.
+struct CodedList {
+  std::vector<Point3f> points;
+  std::vector<PointFate> fates;
+};
+CodedList list_of(const FrameSlot& slot);
+
 /// Bytes of a frame and what is known about it.
 struct CodedFrame {
   std::vector<std::vector<std::uint8_t>> packets;  ///< sealed slices
   FrameReport report;
   PointCounts counts;
   FrameEffort effort = FrameEffort::kFull;  ///< what --budget-ms allowed
+  CodedList list;                           ///< of a stream of points
   std::size_t bytes() const noexcept { return report.bytes; }
 };
 
@@ -46,7 +54,7 @@ class FrameCodec {
 
   std::unique_ptr<Encoder> encoder_;
   std::vector<std::uint16_t> depth_;  ///< counts of the current cloud
-  std::vector<Point3f> points_;       ///< of the current raw cloud
+  std::vector<Point3f> points_;       ///< of the current raw cloud or list
   std::uint32_t out_of_range_ = 0;    ///< of the current raw cloud
 };
 

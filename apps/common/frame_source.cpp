@@ -11,6 +11,7 @@
 #include "core/io/file_list.hpp"
 #include "core/io/point_file.hpp"
 #include "core/sim/sim_room.hpp"
+#include "core/sim/sim_scan.hpp"
 
 namespace planecast {
 namespace {
@@ -71,6 +72,9 @@ class FileSource : public FrameSource {
     frame.pose = frame.cloud.viewpoint;
     if (!units_m_ || *units_m_ == 1) return taken;
     const double unit = *units_m_;
+    frame.cloud.origin_x *= unit;
+    frame.cloud.origin_y *= unit;
+    frame.cloud.origin_z *= unit;
     for (Point3f& p : frame.cloud.points)
       p = {static_cast<float>(p.x * unit), static_cast<float>(p.y * unit),
            static_cast<float>(p.z * unit)};
@@ -81,6 +85,10 @@ class FileSource : public FrameSource {
   Result<bool> take(Result<T> read, T& into, const std::filesystem::path& path) {
     if (!read.ok()) return read.error();
     const std::uint32_t width = read->width, height = read->height;
+    if (height == 1) {  // a list: of as many points as it has
+      into = std::move(*read);
+      return true;
+    }
     if (width_ != 0 && (width != width_ || height != height_)) {
       return Error{Status::kUnreadable,
                    fmt::format("{}: is {}x{}, but the frames before it are {}x{}; encode one size "
@@ -133,6 +141,46 @@ class SimSource : public FrameSource {
   std::vector<std::uint16_t> truth_;
 };
 
+class ScanSource : public FrameSource {
+ public:
+  ScanSource(ScanSimulator simulator, std::uint64_t frames)
+      : simulator_(std::move(simulator)), frames_(frames) {}
+
+  Result<bool> next(SensorFrame& frame) override {
+    if (at_ >= frames_) return false;
+    frame = {};
+    frame.number = number_++;
+    frame.stamp_ns = stamp_of(frame.number, simulator_.config().rate_hz);
+    frame.name = "sim:scan#" + std::to_string(at_);
+    frame.frame_id = "scanner";
+    simulator_.render(at_++, frame.cloud, frame.pose);
+    return true;
+  }
+  void rewind() override { at_ = 0; }
+  std::optional<std::uint64_t> count() const override { return frames_; }
+  SourceSensor sensor() const override {
+    return {std::nullopt, simulator_.config().noise, simulator_.config().rate_hz};
+  }
+
+ private:
+  ScanSimulator simulator_;
+  std::uint64_t frames_;
+  std::uint64_t at_ = 0;
+  std::uint64_t number_ = 0;
+};
+
+ScanConfig scan_config_of(const CodecOptions& options) {
+  ScanConfig config;
+  if (options.size) {
+    config.turns = options.size->width;
+    config.beams = options.size->height;
+  }
+  if (options.noise) config.noise = *options.noise;
+  config.seed = options.seed;
+  if (options.rate_hz) config.rate_hz = *options.rate_hz;
+  return config;
+}
+
 // The simulated sensor: a preset or figures, a size of its own, the noise named.
 SimConfig sim_config_of(const CodecOptions& options) {
   SimConfig config = default_sim_config();
@@ -167,9 +215,17 @@ Result<std::unique_ptr<FrameSource>> open_simulator(const std::string& input,
     frames = *count;
     scene.resize(colon);
   }
+  if (scene == "scan") {
+    auto simulator = ScanSimulator::create(scan_config_of(options));
+    if (!simulator.ok()) return simulator.error();
+    return std::unique_ptr<FrameSource>(
+        std::make_unique<ScanSource>(std::move(*simulator), frames));
+  }
   if (scene != "room" && scene != "curved") {
     return Error{Status::kUsage,
-                 input + ": no such scene in this version; there are sim:room and sim:curved"};
+                 input +
+                     ": no such scene in this version; there are sim:room, sim:curved and "
+                     "sim:scan"};
   }
   auto simulator = RoomSimulator::create(sim_config_of(options),
                                          scene == "room" ? room_scene() : curved_scene());

@@ -37,7 +37,8 @@ class FrameSource {
   virtual std::vector<std::string> notes() const { return {}; }
 };
 
-/// Opens inputs: files and folders, or one "sim:room[:FRAMES]". kUsage, kNotFound, kUnreadable.
+/// Opens inputs: files and folders, or one "sim:room[:FRAMES]" or
+/// "sim:scan[:FRAMES]". kUsage, kNotFound, kUnreadable.
 Result<std::unique_ptr<FrameSource>> open_source(const std::vector<std::string>& inputs,
                                                  const CodecOptions& options);
 

@@ -15,8 +15,10 @@ namespace {
 constexpr std::size_t kWaiting = 2;  // clouds; one in hand at the taker beside them
 
 void copy_cloud(const DrakePointCloud& from, PointCloud& to) {
-  to.width = from.width;
-  to.height = from.height;
+  // A column of points is a list written sideways.
+  const bool list = from.width < 2 || from.height < 2;
+  to.width = list ? static_cast<std::uint32_t>(from.points()) : from.width;
+  to.height = list ? 1 : from.height;
   to.points.resize(from.points());
   for (std::uint32_t row = 0; row < from.height; ++row) {
     for (std::uint32_t column = 0; column < from.width; ++column) {
@@ -59,13 +61,6 @@ void LcmSource::Impl::take_message(std::span<const std::uint8_t> message) {
            fmt::format("a message of {} bytes is no drake.lcmt_point_cloud with float32 x, y, z "
                        "({}); check who publishes on the channel",
                        message.size(), to_string(status)));
-    return;
-  }
-  if (cloud.height < 2 || cloud.width < 2) {
-    refuse(&LcmSourceCounts::refused_unorganised,
-           fmt::format("a cloud of {} points is not organised (height {}); publish the sensor's "
-                       "grid as width x height with NaN where there is no reading",
-                       cloud.points(), cloud.height));
     return;
   }
   SensorFrame frame;

@@ -20,9 +20,8 @@ inline constexpr std::string_view kLcmInputPrefix = "lcm:";
 struct LcmSourceCounts {
   std::uint64_t messages = 0;
   std::uint64_t clouds = 0;
-  std::uint64_t refused_malformed = 0;    ///< not a point cloud, or one that contradicts itself
-  std::uint64_t refused_unorganised = 0;  ///< height 1
-  std::uint64_t passed_over = 0;          ///< a newer cloud came before next() took it
+  std::uint64_t refused_malformed = 0;  ///< not a point cloud, or one that contradicts itself
+  std::uint64_t passed_over = 0;        ///< a newer cloud came before next() took it
 };
 
 class LcmSource : public FrameSource {

@@ -42,6 +42,17 @@ auto number(double least, double most, const char* example, Member CodecOptions:
   };
 }
 
+/// A number that may be left to the input.
+auto whole(std::uint64_t least, std::uint64_t most, const char* example,
+           std::optional<std::uint32_t> CodecOptions::*member) {
+  return [=](CodecOptions& options, const std::string& text) -> Result<Done> {
+    const Result<std::uint64_t> value = parse_whole(text, least, most, example);
+    if (!value) return value.error();
+    options.*member = static_cast<std::uint32_t>(*value);
+    return Done{};
+  };
+}
+
 template <class Whole>
 auto whole(std::uint64_t least, std::uint64_t most, const char* example,
            Whole CodecOptions::*member) {
@@ -162,8 +173,8 @@ std::vector<Spec> method_specs() {
        into(alpha_of, &O::alpha_m)},
       {"smoothness", "DEGREES", kMethod, "Largest angle between normals in one region. Default: 3",
        number(0.01, 90.0, "3", &O::smoothness_deg)},
-      {"k", "N", kMethod, "Neighbours that make a normal, 3 to 200. Default: 30",
-       whole(3, 200, "30", &O::k)},
+      {"k", "N", kMethod, "Neighbours that make a normal, 3 to 128. Default: 30",
+       whole(3, 128, "30", &O::k)},
       {"effort", "fast|best", kMethod, "Encode in real time, or smaller and slower. Default: fast",
        either("fast", Effort::kFast, "best", Effort::kBest, &O::effort)},
       {"budget-ms", "MS", kMethod,
@@ -185,6 +196,11 @@ std::vector<Spec> stream_specs() {
        "Largest LCM payload, 256 to 60000; small ones lose less when a\n"
        "packet is lost. Default: 1200",
        whole(256, 60000, "1200", &O::slice_bytes)},
+      {"max-points", "N", kStream,
+       "Most points of a frame without order; memory for them is taken at\n"
+       "start, larger frames are refused and counted. Default: a quarter\n"
+       "more than the first frame has",
+       whole(1, kMaxFramePoints, "300000", &O::max_points)},
       {"rate", "HZ", kStream, "Frames a second. Default: the source's own. Example: --rate 30",
        number(0.001, 10000.0, "30", &O::rate_hz)},
       {"repeat", "N", kStream, "Play the input N times; 0: until stopped. Default: 1",
@@ -235,6 +251,12 @@ Result<Done> finish_codec_options(CodecOptions& options) {
     if (!options.is_given("off-surface") && surfaces) options.off_surface = OffSurface::kDrop;
     if (!options.is_given("outliers")) options.outliers = Outliers::kDrop;
     if (!options.is_given("regenerate")) options.regenerate = Regenerate::kRandom;
+  }
+  if (options.method == Method::kPaper && options.tolerance.kind != ToleranceKind::kSurfaces) {
+    return {Status::kUsage,
+            "--method paper: codes points by the surfaces they lie on; its tolerance is "
+            "surfaces[:K], not " +
+                to_string(options.tolerance) + ". For a bound on every point leave --method out"};
   }
   if (options.off_surface == OffSurface::kDrop &&
       options.tolerance.kind != ToleranceKind::kSurfaces) {

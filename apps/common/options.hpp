@@ -50,9 +50,10 @@ struct CodecOptions {
   std::uint64_t seed = 1;
   // Stream
   std::uint32_t slice_bytes = 1200;
-  std::optional<double> rate_hz;  ///< unset: the source's own rate
-  std::uint64_t repeat = 1;       ///< times the input is played; 0: until stopped
-  std::string name = "camera";    ///< of the stream
+  std::optional<std::uint32_t> max_points;  ///< of a list of points; unset: from the first frame
+  std::optional<double> rate_hz;            ///< unset: the source's own rate
+  std::uint64_t repeat = 1;                 ///< times the input is played; 0: until stopped
+  std::string name = "camera";              ///< of the stream
   std::string channel = "PLANECAST";
   std::string lcm_url;  ///< "": LCM's default (parse_lcm_url reads it so)
   Threads threads = Threads::kPipeline;

@@ -8,7 +8,9 @@
 
 #include "apps/common/frame_source.hpp"
 #include "apps/common/picture.hpp"
+#include "apps/common/points_setup.hpp"
 #include "core/filter/outlier_filter.hpp"
+#include "core/model/point_grid.hpp"
 
 namespace planecast {
 namespace {
@@ -50,6 +52,17 @@ struct Worst {
     if (!same) ratio2 = FrameCheck::kBeyond * FrameCheck::kBeyond;
   }
 };
+
+// As the filter of lists decides it: the distance from the zero of the input's coordinates.
+bool in_range(const StreamSetup& setup, const Point3f& p) {
+  const StageOptions& stages = setup.encoder.stages;
+  PointCloud zero;
+  set_origin(setup.encoder.stream, zero);
+  const double x = p.x + zero.origin_x, y = p.y + zero.origin_y, z = p.z + zero.origin_z;
+  const double square = x * x + y * y + z * z;
+  return square >= stages.range_min_m * stages.range_min_m &&
+         square <= stages.range_max_m * stages.range_max_m;
+}
 
 bool same_bits(float a, float b) {
   return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
@@ -93,7 +106,8 @@ Result<ReferenceCheck> ReferenceCheck::load(const std::string& input, const Code
       auto setup = setup_stream(options, (*source)->sensor(), frame);
       if (!setup.ok()) return setup.error();
       out.setup_ = std::move(*setup);
-      if (out.setup_.cloud_input && !out.tolerance_) {
+      const bool list = out.setup_.encoder.stream.kind == FrameKind::kPoints;
+      if (out.setup_.cloud_input && !out.tolerance_ && !list) {
         return Error{
             Status::kUsage,
             "--reference " + input + ": is a cloud; give --tolerance as planecastd was given it"};
@@ -103,6 +117,11 @@ Result<ReferenceCheck> ReferenceCheck::load(const std::string& input, const Code
   }
   if (out.frames_.empty())
     return Error{Status::kUnreadable, "--reference " + input + ": holds no frame"};
+  const std::size_t most = out.setup_.encoder.stream.points.max_points;
+  out.original_grid_.reserve(most);
+  out.decoded_grid_.reserve(most);
+  out.original_bits_.resize(most);
+  out.decoded_bits_.resize(most);
   return out;
 }
 
@@ -113,7 +132,10 @@ Result<Done> ReferenceCheck::add(const SensorFrame& frame) {
     if (const auto done = to_depth(setup_, frame, kept.depth); !done.ok()) return done.error();
     apply_range_gate(kept.depth, stages.range_min, stages.range_max);
   }
-  if (setup_.encoder.stream.kind == FrameKind::kRawCloud) {
+  if (setup_.encoder.stream.kind == FrameKind::kPoints) {
+    if (const auto done = to_points(setup_, frame, kept.points); !done.ok()) return done.error();
+    std::erase_if(kept.points, [this](const Point3f& p) { return !in_range(setup_, p); });
+  } else if (setup_.encoder.stream.kind == FrameKind::kRawCloud) {
     const auto gated = to_raw_points(setup_, frame, kept.points);
     if (!gated.ok()) return gated.error();
   } else if (setup_.cloud_input) {
@@ -139,13 +161,62 @@ FrameCheck ReferenceCheck::check(std::uint64_t frame, const Decoder& decoder) co
   out.comparable = stream.kind == expected.kind && stream.camera.width == expected.camera.width &&
                    stream.camera.height == expected.camera.height &&
                    stream.camera.unit_pm == expected.camera.unit_pm;
+  if (stream.kind == FrameKind::kPoints)
+    out.comparable = out.comparable && stream.axes == expected.axes;
   if (!out.comparable) return out;
+  if (stream.kind == FrameKind::kPoints) {
+    check_list(original, decoder, out);
+    return out;
+  }
   if (stream.kind == FrameKind::kRawCloud) {
     check_raw(original, decoder, out);
   } else {
     check_depth(original, decoder, out);
   }
   return out;
+}
+
+// No order, so each side is looked for in the other. Dropped points and points of surfaces have
+// none that must be near: there the numbers are compared, and that nothing came that was not sent.
+void ReferenceCheck::check_list(const Frame& original, const Decoder& decoder,
+                                FrameCheck& out) const noexcept {
+  const StreamConfig& stream = decoder.config();
+  const std::span<const Point3f> in(original.points), back = decoder.cloud();
+  const bool surfaces = stream.tolerance == ToleranceKind::kSurfaces;
+  const bool may_drop = stream.drop_off_surface || outliers_dropped_;
+  out.expected = static_cast<std::uint32_t>(in.size());
+  const std::size_t lost = in.size() - std::min(in.size(), back.size());
+  (may_drop ? out.dropped : out.missing) = static_cast<std::uint32_t>(lost);
+  out.invented = static_cast<std::uint32_t>(back.size() - std::min(in.size(), back.size()));
+  if (surfaces || out.missing > 0 || out.invented > 0) return;
+  if (in.size() > original_bits_.size() || back.size() > decoded_bits_.size()) {
+    out.comparable = false;
+    return;
+  }
+  if (stream.tolerance == ToleranceKind::kLossless) {
+    const auto sort_bits = [](std::span<const Point3f> points, auto& bits) {
+      for (std::size_t i = 0; i < points.size(); ++i)
+        bits[i] = {rank_of_float(points[i].x), rank_of_float(points[i].y),
+                   rank_of_float(points[i].z)};
+      std::sort(bits.begin(), bits.begin() + static_cast<std::ptrdiff_t>(points.size()));
+    };
+    sort_bits(in, original_bits_);
+    sort_bits(back, decoded_bits_);
+    const bool all = std::includes(
+        original_bits_.begin(), original_bits_.begin() + static_cast<std::ptrdiff_t>(in.size()),
+        decoded_bits_.begin(), decoded_bits_.begin() + static_cast<std::ptrdiff_t>(back.size()));
+    if (!all) out.max_ratio = FrameCheck::kBeyond;
+    return;
+  }
+  const double bound_m = Bound(tolerance_, stream).at(0);
+  if (!original_grid_.fill(in, bound_m) || !decoded_grid_.fill(back, bound_m)) return;
+  double worst = 0;
+  for (const Point3f& p : back) worst = std::max(worst, original_grid_.nearest_m(p));
+  if (!may_drop) {
+    for (const Point3f& p : in) worst = std::max(worst, decoded_grid_.nearest_m(p));
+  }
+  out.max_ratio = std::isfinite(worst) ? worst / bound_m : FrameCheck::kBeyond;
+  out.max_error_m = std::isfinite(worst) ? worst : 0;
 }
 
 // Raw clouds are lossless whatever the tolerance: every float comes back, "no reading" as NaN.

@@ -3,11 +3,13 @@
 // allocates nothing, so that it can run where frames are decoded.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/common/near_grid.hpp"
 #include "apps/common/options.hpp"
 #include "apps/common/stream_setup.hpp"
 #include "core/base/status.hpp"
@@ -48,6 +50,7 @@ class ReferenceCheck {
 
   /// Compares the decoder's current frame with the original of number `frame`. One thread at a
   /// time; O(pixels), about 2 ms for 640 x 480.
+  /// Lists of points are compared by nearest points both ways, within the bound: O(n log n).
   FrameCheck check(std::uint64_t frame, const Decoder& decoder) const noexcept;
 
   /// Depth [m] of the original, row-major in the stream's size, 0 or NaN = no reading. Cold path.
@@ -56,12 +59,13 @@ class ReferenceCheck {
  private:
   struct Frame {
     std::vector<std::uint16_t> depth;  ///< counts after --range; empty for raw clouds
-    std::vector<Point3f> points;       ///< inputs that are clouds; raw ones after --range
+    std::vector<Point3f> points;       ///< inputs that are clouds; raw ones and lists after --range
   };
   struct Bound;
 
   Result<Done> add(const SensorFrame& frame);
   void check_raw(const Frame& original, const Decoder& decoder, FrameCheck& out) const noexcept;
+  void check_list(const Frame& original, const Decoder& decoder, FrameCheck& out) const noexcept;
   void check_depth(const Frame& original, const Decoder& decoder, FrameCheck& out) const noexcept;
 
   StreamSetup setup_;
@@ -69,6 +73,9 @@ class ReferenceCheck {
   bool outliers_dropped_ = false;
   std::uint64_t bytes_ = 0;
   std::vector<Frame> frames_;
+  // Of the frame being checked, in memory taken while loading: one thread at a time.
+  mutable NearGrid original_grid_, decoded_grid_;
+  mutable std::vector<std::array<std::int32_t, 3>> original_bits_, decoded_bits_;
 };
 
 }  // namespace planecast

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "apps/common/points_setup.hpp"
 #include "apps/common/stream_settle.hpp"
 
 namespace planecast {
@@ -60,19 +61,34 @@ Result<Done> setup_depth(const CodecOptions& options, const SourceSensor& sensor
   return Done{};
 }
 
-// Options of later versions: refused where they change what is asked for, else named.
-Result<Done> check_scope(const CodecOptions& options, StreamSetup& setup) {
-  if (options.method == Method::kPaper) {
-    return Error{Status::kUsage,
-                 "--method paper: this version codes on the sensor's grid only; leave it out, or "
-                 "get the paper's mode by --tolerance surfaces --off-surface drop --outliers drop"};
-  }
-  for (const char* name :
-       {"regenerate", "alpha", "smoothness", "k", "lidar", "effort"}) {
+// Options that do nothing for the stream: named, not refused.
+void name_unused(const CodecOptions& options, StreamSetup& setup) {
+  const auto note = [&](const char* name) {
     if (options.is_given(name))
       setup.notes.push_back(fmt::format("--{} has no effect on this input in this version", name));
+  };
+  for (const char* name : {"lidar", "effort"}) note(name);
+  if (setup.encoder.stream.kind == FrameKind::kPoints) return note("budget-ms");
+  for (const char* name : {"regenerate", "alpha", "smoothness", "k", "max-points"}) note(name);
+}
+
+// What the first frame is coded as: on its sensor's grid, or as a list of points.
+Result<Done> settle_frames(const CodecOptions& options, const SourceSensor& sensor,
+                           const SensorFrame& first, StreamSetup& setup) {
+  const bool list = options.method == Method::kPaper;
+  if (first.depth.width > 0) {
+    const auto done = setup_depth(options, sensor, first, setup);
+    if (!done.ok() || !list) return done;
+    const auto source = settle_list_source(setup.encoder.stream, setup);
+    if (!source.ok()) return source.error();
+    return setup_points(options, sensor, first, setup);
   }
-  return Done{};
+  if (!list && first.cloud.organised()) return setup_cloud(options, sensor, first, setup);
+  if (!first.cloud.dropped_fields.empty()) {
+    setup.notes.push_back(fmt::format("{}: fields not carried by this version: {}", first.name,
+                                      fmt::join(first.cloud.dropped_fields, ", ")));
+  }
+  return setup_points(options, sensor, first, setup);
 }
 
 }  // namespace
@@ -81,11 +97,10 @@ Result<StreamSetup> setup_stream(const CodecOptions& options, const SourceSensor
                                  const SensorFrame& first) {
   StreamSetup setup;
   StreamConfig& config = setup.encoder.stream;
-  if (const auto fine = check_scope(options, setup); !fine.ok()) return fine.error();
   settle_tolerance(options, setup);
-  const auto done = first.depth.width > 0 ? setup_depth(options, sensor, first, setup)
-                                          : setup_cloud(options, sensor, first, setup);
+  const auto done = settle_frames(options, sensor, first, setup);
   if (!done.ok()) return done.error();
+  name_unused(options, setup);
   setup.encoder.stages.drop_outliers = options.outliers == Outliers::kDrop;
   setup.encoder.budget_ms = options.budget_ms.value_or(0);
   const double rate = options.rate_hz.value_or(sensor.rate_hz);

@@ -16,6 +16,8 @@
 
 namespace planecast {
 
+struct ListSource;  // of depth images that are coded as lists (points_setup.cpp)
+
 /// A stream ready to encode.
 struct StreamSetup {
   EncoderConfig encoder;
@@ -27,6 +29,7 @@ struct StreamSetup {
   double allowed_share = 0;  ///< clouds: part of each bound that grid and rays may take
   std::shared_ptr<const CameraRays> rays;  ///< clouds coded as depth
   std::optional<RangeLimits> raw_range;    ///< raw clouds: limits of the distance from the origin
+  std::shared_ptr<const ListSource> list_source;  ///< lists of points made of depth images
 };
 
 /// Settles everything from the first frame. kUsage: an option is missing or contradicts the data

@@ -50,7 +50,16 @@ struct ComparedCloud {
   std::string name;
   std::uint32_t width = 0, height = 0;
   std::vector<Point3f> points;
+  Point3d zero;  ///< of the points, in the file's coordinates
 };
+
+// Brings b's points to a's zero, in double; each cloud has its own when its offsets are large.
+void align(const ComparedCloud& a, ComparedCloud& b) {
+  const double x = b.zero.x - a.zero.x, y = b.zero.y - a.zero.y, z = b.zero.z - a.zero.z;
+  if (x == 0 && y == 0 && z == 0) return;
+  for (Point3f& p : b.points)
+    p = {static_cast<float>(p.x + x), static_cast<float>(p.y + y), static_cast<float>(p.z + z)};
+}
 
 Result<ComparedCloud> load(const std::string& path, const CodecOptions& options) {
   auto source = open_source({path}, options);
@@ -63,23 +72,23 @@ Result<ComparedCloud> load(const std::string& path, const CodecOptions& options)
   if (frame.depth.width > 0) {
     auto points = points_of_depth(frame, options);
     if (!points.ok()) return points.error();
-    return ComparedCloud{path, frame.depth.width, frame.depth.height, std::move(*points)};
+    return ComparedCloud{path, frame.depth.width, frame.depth.height, std::move(*points), {}};
   }
   PointCloud& cloud = frame.cloud;
-  if (has_origin(cloud)) {
-    return Error{Status::kUnreadable, path +
-                                          ": its coordinates are too large for float32 (mapped "
-                                          "data?); subtract an offset first"};
-  }
   std::size_t origins = 0;
   for (Point3f& p : cloud.points) {
-    if (is_depth_reading(p) || !is_valid(p)) continue;
+    // A list has no holes: a point at zero is a point.
+    if (!cloud.organised() || is_depth_reading(p) || !is_valid(p)) continue;
     p.x = p.y = p.z = std::numeric_limits<float>::quiet_NaN();
     ++origins;
   }
   if (origins > 0)
     tell({fmt::format("{}: {} points at the exact origin are taken as holes", path, origins)});
-  return ComparedCloud{path, cloud.width, cloud.height, std::move(cloud.points)};
+  return ComparedCloud{path,
+                       cloud.width,
+                       cloud.height,
+                       std::move(cloud.points),
+                       {cloud.origin_x, cloud.origin_y, cloud.origin_z}};
 }
 
 Json number(double value) {
@@ -122,8 +131,9 @@ ExitCode run_compare(const CommandArguments& arguments, const CodecOptions& opti
   if (!limit.ok()) return complain(limit.error());
   const auto a = load(arguments.inputs[0], options);
   if (!a.ok()) return complain(a.error());
-  const auto b = load(arguments.inputs[1], options);
+  auto b = load(arguments.inputs[1], options);
   if (!b.ok()) return complain(b.error());
+  align(*a, *b);
 
   const CloudDistance far = cloud_distance(a->points, b->points);
   std::optional<CorrespondingDistance> pairs;

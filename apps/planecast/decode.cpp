@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "apps/common/live_line.hpp"
+#include "apps/common/points_setup.hpp"
 #include "apps/common/suggestion.hpp"
 #include "apps/planecast/commands.hpp"
 #include "apps/planecast/output_file.hpp"
@@ -73,8 +74,10 @@ Result<Target> find_target(const CommandArguments& arguments, std::size_t frames
 PointCloud cloud_of(const Decoder& decoder) {
   const StreamConfig& config = decoder.config();
   PointCloud out;
-  out.width = config.camera.width;
-  out.height = config.camera.height;
+  const bool list = config.kind == FrameKind::kPoints;
+  out.width = list ? static_cast<std::uint32_t>(decoder.cloud().size()) : config.camera.width;
+  out.height = list ? 1 : config.camera.height;
+  if (list) set_origin(config, out);
   out.points.assign(decoder.cloud().begin(), decoder.cloud().end());
   out.viewpoint = to_pose(config.pose);
   return out;
@@ -89,7 +92,7 @@ Result<Done> write_frame(const Decoder& decoder, const Target& target, const fs:
       return Done{};
     });
   }
-  if (decoder.depth().empty()) {
+  if (decoder.config().kind != FrameKind::kDepth) {
     return Error{Status::kUsage,
                  path.string() + ": the stream holds float clouds, not depth; write ply or pcd"};
   }

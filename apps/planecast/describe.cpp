@@ -4,13 +4,22 @@
 
 #include <algorithm>
 
+#include "core/model/point_grid.hpp"
 #include "core/sensor/pose_fixed.hpp"
 
 namespace planecast {
 namespace {
 
 const char* name_of(FrameKind kind) {
-  return kind == FrameKind::kRawCloud ? "raw cloud" : "depth";
+  switch (kind) {
+    case FrameKind::kRawCloud:
+      return "raw cloud";
+    case FrameKind::kPoints:
+      return "points";
+    case FrameKind::kDepth:
+      break;
+  }
+  return "depth";
 }
 
 const char* name_of(ZRule rule) {
@@ -120,7 +129,15 @@ Json describe(const StreamConfig& config) {
       {"session", hex32(config.session)}, {"clock", name_of(config.clock)},
       {"epoch_ns", config.epoch_ns},      {"boot_id", hex32(config.boot_id)},
       {"period_ms", config.period_ms},    {"frame_id", std::string(config.frame_id.data())}};
-  if (raw) {
+  if (config.kind == FrameKind::kPoints) {
+    out["max_points"] = config.points.max_points;
+    out["step_m"] = grid_step_m(config.points);
+    out["tolerance_steps"] = config.points.tolerance_steps;
+    out["patch_unit_m"] = config.points.patch_unit_nm * 1e-9;
+    out["fill"] = config.points.fill == FillMode::kRandom ? "random" : "lattice";
+    out["seed"] = config.points.seed;
+    out["noise"] = to_string(config.noise);
+  } else if (raw) {
     out["width"] = config.camera.width;
     out["height"] = config.camera.height;
   } else {
@@ -132,7 +149,11 @@ Json describe(const StreamConfig& config) {
   out["tolerance"] = tolerance_of(config);
   out["effort"] = config.effort_best ? "best" : "fast";
   out["pose"] = pose_of(config.pose);
-  if (!raw) {
+  if (config.kind == FrameKind::kPoints) {
+    out["origin_m"] = {static_cast<double>(config.axes.t_um[0]) / 1e6,
+                       static_cast<double>(config.axes.t_um[1]) / 1e6,
+                       static_cast<double>(config.axes.t_um[2]) / 1e6};
+  } else if (!raw) {
     out["cloud_from_optical"] = pose_of(config.axes);
     out["mirror_y"] = config.mirror_y;
   }
@@ -155,6 +176,16 @@ Json describe(const PacketHeader& header, const TileContent& tile, const CameraM
   for (std::uint32_t i = 0; i < tile.surfaces; ++i)
     out["surfaces"].push_back(surface_of(tile.surface[i], camera));
   return out;
+}
+
+Json describe(const PacketHeader& header, const ListContent& content, std::size_t bytes) {
+  return {{"slice", header.slice},
+          {"slice_count", header.slice_count},
+          {"bytes", bytes},
+          {"key_hash", hex32(header.key_hash)},
+          {"holds", content.what},
+          {"points", content.points},
+          {"surfaces", content.surfaces}};
 }
 
 std::string readable(const Json& value, int indent) {

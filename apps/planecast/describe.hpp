@@ -24,6 +24,13 @@ Json describe(const StreamConfig& config);
 Json describe(const PacketHeader& header, const TileContent& tile, const CameraModel& camera,
               std::size_t bytes);
 
+/// What a slice of a stream of points holds.
+struct ListContent {
+  const char* what = "points";
+  std::uint32_t points = 0, surfaces = 0;
+};
+Json describe(const PacketHeader& header, const ListContent& content, std::size_t bytes);
+
 /// "0x1a2b3c4d".
 std::string hex32(std::uint32_t value);
 

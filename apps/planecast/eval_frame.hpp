@@ -25,6 +25,8 @@ struct EvaluatedFrame {
   std::uint32_t wire_slices = 0;
   double encode_ms = 0, decode_ms = 0;
   std::vector<Point3f> original, decoded;
+  std::vector<Point3f> filtered;  ///< lists that lost points: those that were to come back
+  bool list = false;              ///< of points without order: max is the Hausdorff distance
 };
 
 /// Evaluates the frames of one run. One thread.
@@ -40,6 +42,10 @@ class FrameEvaluator {
  private:
   Result<Done> begin();
   Result<Done> decode(const SensorFrame& frame, const CodedFrame& coded);
+  Result<Done> judge_list(const SensorFrame& frame, const CodedFrame& coded, const CodedFrame& wire,
+                          EvaluatedFrame& out);
+  Result<Done> judge_grid(const SensorFrame& frame, const CodedFrame& coded, const CodedFrame& wire,
+                          EvaluatedFrame& out);
   double time_decode(const CodedFrame& coded);
 
   const CodecOptions& options_;

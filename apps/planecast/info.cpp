@@ -2,15 +2,18 @@
 #include <fmt/core.h>
 
 #include <cstdio>
+#include <memory>
 #include <string>
 
 #include "apps/planecast/commands.hpp"
 #include "apps/planecast/describe.hpp"
 #include "apps/planecast/plc_file.hpp"
 #include "core/base/arena.hpp"
+#include "core/pipeline/decoder.hpp"
 #include "core/pipeline/stream_tables.hpp"
 #include "core/wire/frame_unpack.hpp"
 #include "core/wire/key_packet.hpp"
+#include "core/wire/point_unpack.hpp"
 #include "core/wire/raw_unpack.hpp"
 
 namespace planecast {
@@ -27,12 +30,31 @@ class SliceViewer {
     if (!arena.ok()) return arena.error();
     viewer.arena_ = std::move(*arena);
     viewer.layout(viewer.arena_, limits);
+    auto lists = Decoder::create({limits});
+    if (!lists.ok()) return lists.error();
+    viewer.lists_ = std::move(*lists);
     return viewer;
   }
 
-  Status set_key(const StreamConfig& config, std::uint32_t hash) {
+  Status set_key(std::span<const std::uint8_t> key, const StreamConfig& config,
+                 std::uint32_t hash) {
+    if (config.kind == FrameKind::kPoints) {
+      if (const Status status = lists_->set_key(key); status != Status::kOk) return status;
+    }
     if (tables_.ready() && tables_.key_hash() == hash) return Status::kOk;
     return tables_.build(config, hash);
+  }
+
+  Status look(std::span<const std::uint8_t> slice, ListContent& content) {
+    PointSliceKind kind = PointSliceKind::kVerbatim;
+    Status status = lists_->begin();
+    if (status == Status::kOk) status = lists_->add(slice);
+    if (status == Status::kOk) status = point_slice_kind(slice, kind);
+    if (status != Status::kOk) return status;
+    constexpr const char* kNames[] = {"points as plain numbers", "points", "patches"};
+    content = {kNames[static_cast<std::size_t>(kind)], lists_->counts().points,
+               lists_->counts().surfaces};
+    return status;
   }
 
   Status look(std::span<const std::uint8_t> slice, TileContent& content) {
@@ -47,6 +69,7 @@ class SliceViewer {
   }
 
  private:
+  // Lists are looked at by a decoder of their own.
   void layout(Arena& arena, const FrameLimits& limits) {
     tables_.layout(arena, limits);
     unpacker_.layout(arena, limits.max_width);
@@ -61,6 +84,7 @@ class SliceViewer {
   RawFrameUnpacker raw_unpacker_;
   std::span<std::uint16_t> depth_;
   std::span<Point3f> points_;
+  std::unique_ptr<Decoder> lists_;
 };
 
 PacketHeader header_of(std::span<const std::uint8_t> packet) {
@@ -81,10 +105,12 @@ Json key_json(const PlcFile& file, std::span<const std::uint8_t> packet,
 }
 
 Json slice_json(const PlcFile& file, SliceViewer& viewer, std::span<const std::uint8_t> slice,
-                const CameraModel& camera, bool& damaged) {
+                const StreamConfig& config, bool& damaged) {
   const PacketHeader header = header_of(slice);
+  const bool list = config.kind == FrameKind::kPoints;
   TileContent content;
-  const Status status = viewer.look(slice, content);
+  ListContent list_content;
+  const Status status = list ? viewer.look(slice, list_content) : viewer.look(slice, content);
   const auto byte = slice.data() - file.bytes.data();
   if (status != Status::kOk) {
     damaged = true;
@@ -94,7 +120,8 @@ Json slice_json(const PlcFile& file, SliceViewer& viewer, std::span<const std::u
             {"not_decodable", std::string(to_string(status))}};
   }
   Json out = {{"byte", byte}};
-  out.update(describe(header, content, camera, slice.size()));
+  out.update(list ? describe(header, list_content, slice.size())
+                  : describe(header, content, config.camera, slice.size()));
   return out;
 }
 
@@ -102,7 +129,7 @@ Result<Json> frame_json(const PlcFile& file, SliceViewer& viewer, const PlcFrame
                         bool& damaged) {
   const auto config = config_of(file, frame.key);
   if (!config.ok()) return config.error();
-  const Status status = viewer.set_key(*config, header_of(frame.key).key_hash);
+  const Status status = viewer.set_key(frame.key, *config, header_of(frame.key).key_hash);
   if (status != Status::kOk) {
     return Error{status, fmt::format("{}: frame {}: key packet not usable ({})", file.path,
                                      frame.frame, to_string(status))};
@@ -118,7 +145,7 @@ Result<Json> frame_json(const PlcFile& file, SliceViewer& viewer, const PlcFrame
               {"bytes", bytes},
               {"slices", Json::array()}};
   for (const auto& slice : frame.slices)
-    out["slices"].push_back(slice_json(file, viewer, slice, config->camera, damaged));
+    out["slices"].push_back(slice_json(file, viewer, slice, *config, damaged));
   return out;
 }
 

@@ -84,6 +84,7 @@ Result<FrameLimits> limits_of(const PlcFile& file) {
     if (!config.ok()) return config.error();
     limits.max_width = std::max(limits.max_width, config->camera.width);
     limits.max_height = std::max(limits.max_height, config->camera.height);
+    limits.max_points = std::max(limits.max_points, config->points.max_points);
   }
   if (limits.pixels() > kMaxFilePoints) {
     return Error{Status::kTooLarge,

@@ -154,9 +154,8 @@ StreamMoment Daemon::moment() const {
 }
 
 void Daemon::tell_refusals() {
-  if (input.live == nullptr) return;
   std::string refusal = feed->refusal();
-  if (refusal.empty()) refusal = input.live->refusal();
+  if (refusal.empty() && input.live != nullptr) refusal = input.live->refusal();
   if (!refusal.empty() && refusal != told) fmt::print(stderr, "planecastd: refused: {}\n", refusal);
   told = refusal;
 }
@@ -201,10 +200,14 @@ StreamCounts Daemon::counts(bool ended) const {
   out.pipeline = encoder->runner().totals();
   out.in = out.pipeline.in;
   out.gated_readings = player->out_of_range();
-  if (input.live == nullptr) return out;
+  if (input.live == nullptr) {
+    out.refused = feed->refused();
+    out.in += out.refused;
+    return out;
+  }
   const LcmSourceCounts source = input.live->counts();
   out.in = source.messages;
-  out.refused = source.refused_malformed + source.refused_unorganised + feed->refused();
+  out.refused = source.refused_malformed + feed->refused();
   // At the end those are passed over as well that still wait to be taken, or were in hand.
   out.passed_over = ended ? source.clouds - feed->refused() - out.pipeline.in : source.passed_over;
   return out;
@@ -231,9 +234,11 @@ void say(const StreamInput& input, const MemoryPlan& plan, const CodecOptions& o
     for (const std::string& note : notes) fmt::print(stderr, "planecastd: {}\n", note);
   }
   const StreamConfig& stream = input.setup.encoder.stream;
-  fmt::print(stderr, "planecastd: stream {} on {}, {}x{}, tolerance {}, {}, {} in memory\n",
-             stream.stream, options.channel, stream.camera.width, stream.camera.height,
-             to_string(options.tolerance),
+  const std::string size = stream.kind == FrameKind::kPoints
+                               ? fmt::format("up to {} points", stream.points.max_points)
+                               : fmt::format("{}x{}", stream.camera.width, stream.camera.height);
+  fmt::print(stderr, "planecastd: stream {} on {}, {}, tolerance {}, {}, {} in memory\n",
+             stream.stream, options.channel, size, to_string(options.tolerance),
              input.live != nullptr ? "at the source's pace" : fmt::format("{:g} Hz", input.rate_hz),
              human_bytes(static_cast<double>(plan.arena)));
 }

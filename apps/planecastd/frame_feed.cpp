@@ -3,6 +3,8 @@
 #include <cstring>
 #include <utility>
 
+#include "apps/common/points_setup.hpp"
+
 namespace planecast {
 namespace {
 
@@ -30,6 +32,7 @@ Result<Done> FrameFeed::preload(std::span<const std::span<std::byte>> memory,
     FeedFrame frame;
     const auto got = read(frame);
     if (!got) return got.error();
+    if (!*got && refused() > 0) break;
     if (!*got) return {Status::kUnreadable, "the input has fewer frames than it had a moment ago"};
     loaded_.push_back(copied(frame, place));
   }
@@ -71,7 +74,9 @@ Result<bool> FrameFeed::read(FeedFrame& frame) {
       ++given_in_pass_;
       return true;
     }
-    if (!config_.live) return done.error();
+    // A list may have any number of points; one too large is no fault of the others.
+    const bool goes_on = config_.live || done.error().status == Status::kFrameTooLarge;
+    if (!goes_on) return done.error();
     refused_.fetch_add(1, std::memory_order_release);
     const std::lock_guard lock(refusal_mutex_);
     refusal_ = done.error().message;
@@ -86,7 +91,10 @@ std::string FrameFeed::refusal() const {
 Result<Done> FrameFeed::prepare(FeedFrame& frame) {
   frame = {};
   frame.stamp_ns = raw_.stamp_ns;
-  if (setup_.encoder.stream.kind == FrameKind::kRawCloud) {
+  if (setup_.encoder.stream.kind == FrameKind::kPoints) {
+    if (const auto done = to_points(setup_, raw_, points_); !done) return done.error();
+    frame.points = points_;
+  } else if (setup_.encoder.stream.kind == FrameKind::kRawCloud) {
     const auto gated = to_raw_points(setup_, raw_, points_);
     if (!gated) return gated.error();
     frame.out_of_range = *gated;

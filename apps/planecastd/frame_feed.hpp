@@ -19,7 +19,7 @@ namespace planecast {
 /// One frame in the encoder's form; valid until the next call of FrameFeed::next().
 struct FeedFrame {
   std::span<const std::uint16_t> depth;  ///< counts; empty for raw-cloud streams
-  std::span<const Point3f> points;       ///< raw-cloud streams
+  std::span<const Point3f> points;       ///< raw-cloud streams and lists
   std::int64_t stamp_ns = 0;             ///< the source's own
   std::uint32_t out_of_range = 0;        ///< readings of a raw cloud made holes by --range
 };
@@ -45,7 +45,7 @@ class FrameFeed {
   Result<bool> next(FeedFrame& frame);
 
   /// Frames refused because they do not fit the stream, and why the last one was ("" when none
-  /// was); live feeds only. Any thread.
+  /// was): of live feeds, and lists of too many points of any. Any thread.
   std::uint64_t refused() const { return refused_.load(std::memory_order_acquire); }
   std::string refusal() const;
 

@@ -30,7 +30,7 @@ void FramePlayer::submit(const FeedFrame& frame) noexcept {
   // receivers see the gap.
   const std::uint64_t number = number_++;
   out_of_range_.fetch_add(frame.out_of_range, std::memory_order_relaxed);
-  if (frame.points.empty()) {
+  if (encoder_.config().stream.kind == FrameKind::kDepth) {
     (void)encoder_.submit(DepthView{frame.depth, number, frame.stamp_ns}, config_.wait);
   } else {
     (void)encoder_.submit(frame.points, number, frame.stamp_ns, config_.wait);

@@ -25,6 +25,28 @@ void lay_out(const MemoryNeeds& needs, const MemoryPlan& plan, Arena& arena, Dae
   }
 }
 
+struct FrameMost {
+  std::size_t bytes = 0, slices = 0;
+};
+
+FrameMost most_of(const EncoderConfig& encoder) {
+  const StreamConfig& stream = encoder.stream;
+  const CameraModel& camera = stream.camera;
+  switch (stream.kind) {
+    case FrameKind::kPoints: {
+      const PointSurfaceOptions search = surface_options(stream, encoder.stages);
+      const FrameLimits limits = list_limits(stream, encoder.stages, search);
+      return {limits.list_bytes, limits.list_slices};
+    }
+    case FrameKind::kRawCloud:
+      return {raw_frame_capacity(camera.width, camera.height),
+              slice_capacity(camera.width, camera.height)};
+    case FrameKind::kDepth:
+      break;
+  }
+  return {frame_capacity(camera.width, camera.height), slice_capacity(camera.width, camera.height)};
+}
+
 std::vector<std::string> thread_names(RunMode mode) {
   std::vector<std::string> names = {"source", "sender", "publisher"};
   if (mode == RunMode::kThreads)
@@ -35,6 +57,8 @@ std::vector<std::string> thread_names(RunMode mode) {
 }  // namespace
 
 std::size_t frame_bytes(const StreamConfig& config) {
+  if (config.kind == FrameKind::kPoints)
+    return std::size_t{config.points.max_points} * sizeof(Point3f);
   const std::size_t each =
       config.kind == FrameKind::kRawCloud ? sizeof(Point3f) : sizeof(std::uint16_t);
   return config.camera.pixels() * each;
@@ -71,13 +95,17 @@ Result<DaemonMemory> take_memory(const MemoryNeeds& needs, const MemoryPlan& pla
 std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& needs,
                                   std::size_t resident) {
   const CameraModel& camera = needs.encoder.stream.camera;
+  const StreamConfig& stream = needs.encoder.stream;
+  const std::string size = stream.kind == FrameKind::kPoints
+                               ? fmt::format("{} points", stream.points.max_points)
+                               : fmt::format("{}x{}", camera.width, camera.height);
   const auto line = [](const char* name, std::size_t bytes, const std::string& note) {
     return fmt::format("{:<10} {:>12}  {}", name, bytes, note);
   };
   return {
       line("encoder", plan.encoder,
-           fmt::format("{} frame slots of {}x{}, tables, the stages' own",
-                       needs.encoder.runner.slots, camera.width, camera.height)),
+           fmt::format("{} frame slots of {}, tables, the stages' own", needs.encoder.runner.slots,
+                       size)),
       line("publisher", plan.publisher,
            fmt::format("{} frame buffers of {} bytes", needs.publisher.frames,
                        needs.publisher.max_frame_bytes)),
@@ -95,11 +123,8 @@ std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& nee
 
 PublisherConfig publisher_for(const EncoderConfig& encoder, const std::string& channel,
                               std::uint32_t message_bytes) {
-  const CameraModel& camera = encoder.stream.camera;
-  const std::size_t packets = slice_capacity(camera.width, camera.height) + 1;
-  const std::size_t payload = encoder.stream.kind == FrameKind::kRawCloud
-                                  ? raw_frame_capacity(camera.width, camera.height)
-                                  : frame_capacity(camera.width, camera.height);
+  const FrameMost most = most_of(encoder);
+  const std::size_t packets = most.slices + 1, payload = most.bytes;
   constexpr std::size_t kKeyBytes = kPacketHeaderBytes + kMaxKeyBodyBytes + kEnvelopeOverheadBytes;
   PublisherConfig config;
   config.channel = channel;

@@ -7,6 +7,7 @@
 #include "apps/common/boot_id.hpp"
 #include "apps/planecastd/memory_plan.hpp"
 #include "core/wire/frame_pack.hpp"
+#include "core/wire/point_pack.hpp"
 #include "core/wire/raw_pack.hpp"
 #include "transport/envelope.hpp"
 #include "transport/wake.hpp"
@@ -45,7 +46,7 @@ Result<Done> first_live_frame(StreamInput& input, const std::string& name, StopS
     if (!refusal.empty() && refusal != told) {
       fmt::print(stderr, "planecastd: refused: {}\n", refusal);
     } else if (monotonic_ns() > tell_ns) {
-      fmt::print(stderr, "planecastd: waiting for organised drake.lcmt_point_cloud on {}\n", name);
+      fmt::print(stderr, "planecastd: waiting for drake.lcmt_point_cloud on {}\n", name);
       tell_ns = std::numeric_limits<std::int64_t>::max();
     }
     told = refusal;
@@ -75,8 +76,9 @@ void settle_clock(const StreamInput& input, StreamConfig& config) {
 
 Result<Done> settle_slices(const CodecOptions& options, EncoderConfig& encoder) {
   const std::size_t least =
-      kEnvelopeOverheadBytes +
-      (encoder.stream.kind == FrameKind::kRawCloud ? kMinRawSliceBytes : kMinSliceBytes);
+      kEnvelopeOverheadBytes + (encoder.stream.kind == FrameKind::kRawCloud ? kMinRawSliceBytes
+                                : encoder.stream.kind == FrameKind::kPoints ? kMinPointSliceBytes
+                                                                            : kMinSliceBytes);
   constexpr std::size_t kMost = kEnvelopeOverheadBytes + kMaxPacketBytes;
   if (options.slice_bytes < least || options.slice_bytes > kMost)
     return {Status::kUsage, fmt::format("--slice-bytes {}: this stream needs {} to {}, the LCM "

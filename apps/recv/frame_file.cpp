@@ -4,6 +4,7 @@
 
 #include <cctype>
 
+#include "apps/common/points_setup.hpp"
 #include "core/io/depth_png.hpp"
 #include "core/io/kitti_bin.hpp"
 #include "core/io/pcd.hpp"
@@ -24,8 +25,9 @@ std::string safe(const char* text) {
 
 PointCloud cloud_of(const SinkFrame& frame) {
   PointCloud cloud;
-  cloud.width = frame.config.camera.width;
-  cloud.height = frame.config.camera.height;
+  cloud.width = frame.list() ? frame.pixels : frame.config.camera.width;
+  cloud.height = frame.list() ? 1 : frame.config.camera.height;
+  if (frame.list()) set_origin(frame.config, cloud);
   const auto points = frame.cloud.first(frame.pixels);
   cloud.points.assign(points.begin(), points.end());
   cloud.viewpoint = to_pose(frame.config.pose);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <thread>
@@ -99,20 +100,22 @@ Result<Done> Receiver::prepare(const LcmUrl& url) {
   if (!opened) return opened.error();
   link = std::move(*opened);
   const SubscriberConfig config = subscriber_for(options, codec);
-  const FrameLimits limits{static_cast<std::uint16_t>(options.max_size.width),
-                           static_cast<std::uint16_t>(options.max_size.height)};
+  FrameLimits limits{static_cast<std::uint16_t>(options.max_size.width),
+                     static_cast<std::uint16_t>(options.max_size.height)};
+  limits.max_points = codec.max_points.value_or(0);
+  const std::uint32_t sink_points = std::max(limits.pixels(), limits.points());
   const ReceiveConfig receive{options.streams, limits, options.frames, boot_id_hash(),
                               options.realtime.watchdog_ns()};
   const std::size_t bytes =
       Subscriber::memory_bytes(config) + ReceiveLoop::memory_bytes(receive) +
-      (options.has_sinks() ? SinkQueue::memory_bytes(kSinkSlots, limits.pixels()) : 0);
+      (options.has_sinks() ? SinkQueue::memory_bytes(kSinkSlots, sink_points) : 0);
   if (const auto fits = check_memory(bytes); !fits) return fits.error();
   lock_memory();
   auto subscribed = Subscriber::create(config, link);
   if (!subscribed) return subscribed.error();
   subscriber = std::move(*subscribed);
   if (options.has_sinks()) {
-    auto made = SinkQueue::create(kSinkSlots, limits.pixels());
+    auto made = SinkQueue::create(kSinkSlots, sink_points);
     if (!made.ok()) return made.error();
     queue = std::move(*made);
     writer = std::make_unique<SinkWriter>(options, *queue, link);
@@ -184,7 +187,8 @@ void Receiver::collect() {
       fmt::print(stderr, "planecast-recv: stream {}: its key packet is refused: {}{}\n",
                  record.stream, to_string(record.status),
                  record.status == Status::kFrameTooLarge
-                     ? "; its frames are larger than --max-size, name a larger one"
+                     ? "; its frames are larger than --max-size, or for lists of points than "
+                       "--max-points; name a larger one"
                      : "");
     }
   }

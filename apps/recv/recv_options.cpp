@@ -163,8 +163,10 @@ SubscriberConfig subscriber_for(const RecvOptions& options, const CodecOptions& 
   assembly.max_streams = options.streams;
   // A depth frame stored as it is has two bytes a pixel; the smallest slices hold 200 of them.
   const std::uint64_t pixels = std::uint64_t{options.max_size.width} * options.max_size.height;
+  // A list's points coded as they are have twelve; where the user says how many, they all fit.
+  const std::uint64_t list = std::uint64_t{codec.max_points.value_or(0)} * 13;
   assembly.max_frame_bytes = static_cast<std::uint32_t>(
-      std::clamp<std::uint64_t>(pixels * 2 + pixels / 4, 1U << 20U, 1U << 28U));
+      std::clamp<std::uint64_t>(std::max(pixels * 2 + pixels / 4, list), 1U << 20U, 1U << 28U));
   assembly.max_slices = std::clamp<std::uint32_t>(assembly.max_frame_bytes / 200, 2048, 65535);
   const bool every = options.keeps_every_frame();
   assembly.output_frames =

@@ -117,6 +117,11 @@ Picture draw_result(const ResultViews& views) {
 
 Result<Done> write_result_picture(const SinkFrame& frame, const ReferenceCheck* reference,
                                   const std::filesystem::path& path) {
+  if (frame.list()) {
+    return Error{Status::kUsage, path.string() +
+                                     ": the stream carries lists of points, which have no image; "
+                                     "leave out --picture, or write them with --last FILE.ply"};
+  }
   ResultViews views;
   views.width = frame.config.camera.width;
   views.height = frame.config.camera.height;

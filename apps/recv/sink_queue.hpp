@@ -25,10 +25,12 @@ struct SinkFrame {
   bool complete = false;
   std::uint32_t pixels = 0;
   std::span<Point3f> cloud;
-  std::span<std::uint16_t> depth;  ///< empty image for raw clouds: all zero
+  std::span<std::uint16_t> depth;  ///< of depth streams only
   std::span<std::uint8_t> labels;
 
-  bool raw() const noexcept { return config.kind == FrameKind::kRawCloud; }
+  /// The cloud is all there is: no depth image.
+  bool raw() const noexcept { return config.kind != FrameKind::kDepth; }
+  bool list() const noexcept { return config.kind == FrameKind::kPoints; }
 };
 
 class SinkQueue {

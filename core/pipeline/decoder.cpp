@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/regen/point_regen.hpp"
 #include "core/wire/key_packet.hpp"
 
 namespace planecast {
@@ -13,7 +14,11 @@ Status Decoder::layout(Arena& arena, const DecoderConfig& config) noexcept {
   raw_unpacker_.layout(arena, config.limits.max_width);
   depth_ = arena.take<std::uint16_t>(config.limits.pixels());
   labels_ = arena.take<std::uint8_t>(config.limits.pixels());
-  cloud_ = arena.take<Point3f>(config.limits.pixels());
+  cloud_ = arena.take<Point3f>(std::max(config.limits.pixels(), config.limits.points()));
+  point_unpacker_.layout(arena, config.limits.points());
+  grid_ = arena.take<GridPoint>(config.limits.points());
+  patch_unpacker_.layout(arena);
+  patch_filler_.layout(arena);
   return arena.failed() ? Status::kOutOfArena : Status::kOk;
 }
 
@@ -56,27 +61,89 @@ Status Decoder::set_key(std::span<const std::uint8_t> packet) noexcept {
 
 Status Decoder::begin() noexcept {
   counts_ = {};
+  listed_ = 0;
   if (!tables_.ready()) return Status::kUnknownKey;
   const std::size_t pixels = config().camera.pixels();
-  if (raw()) {
-    clear_points(cloud_.first(pixels));
-    return Status::kOk;
+  switch (kind()) {
+    case FrameKind::kDepth:
+      std::fill_n(depth_.begin(), pixels, std::uint16_t{0});
+      std::fill_n(labels_.begin(), pixels, std::uint8_t{0});
+      break;
+    case FrameKind::kRawCloud:
+      clear_points(cloud_.first(pixels));
+      break;
+    case FrameKind::kPoints:
+      break;
   }
-  std::fill_n(depth_.begin(), pixels, std::uint16_t{0});
-  std::fill_n(labels_.begin(), pixels, std::uint8_t{0});
   return Status::kOk;
+}
+
+Status Decoder::unpack_points(std::span<const std::uint8_t> slice, std::uint32_t& used) noexcept {
+  const PointCoding coding = point_coding(config());
+  const std::uint32_t first = used;
+  const Status status = point_unpacker_.unpack_slice(coding, tables_.key_hash(), slice,
+                                                     grid_.first(coding.max_points), used);
+  if (status != Status::kOk) return status;
+  return regenerate_points(config().points, grid_.subspan(first, used - first),
+                           cloud_.subspan(first, used - first));
+}
+
+Status Decoder::unpack_patches(std::span<const std::uint8_t> slice, const PacketHeader& header,
+                               std::uint32_t& used, std::uint32_t& patches) noexcept {
+  const PointStream& stream = config().points;
+  Status status = patch_unpacker_.begin(slice.subspan(kPacketHeaderBytes));
+  Pcg32 generator = patch_generator(stream, header.frame, header.slice);
+  while (status == Status::kOk && patch_unpacker_.left() > 0) {
+    Patch patch;
+    std::span<const std::uint8_t> cells;
+    status = patch_unpacker_.next(patch, cells);
+    if (status != Status::kOk) return status;
+    if (patch.points > stream.max_points - used) return Status::kTooLarge;
+    status =
+        patch_filler_.fill(patch, cells, stream, generator, cloud_.subspan(used, patch.points));
+    used += patch.points;
+    ++patches;
+  }
+  return status;
+}
+
+// A slice that fails leaves no point: `listed_` moves on only with a whole one.
+Status Decoder::unpack_list(std::span<const std::uint8_t> slice, TileContent& content) noexcept {
+  PacketHeader header;
+  if (const Status status = open_packet(slice, header); status != Status::kOk) return status;
+  if (header.key) return Status::kFieldRange;
+  if (header.key_hash != tables_.key_hash()) return Status::kUnknownKey;
+  PointSliceKind what = PointSliceKind::kVerbatim;
+  if (const Status status = point_slice_kind(slice, what); status != Status::kOk) return status;
+  std::uint32_t used = listed_, patches = 0;
+  const Status status = what == PointSliceKind::kPatches
+                            ? unpack_patches(slice, header, used, patches)
+                            : unpack_points(slice, used);
+  if (status != Status::kOk) return status;
+  content.points = used - listed_;
+  counts_.surfaces += patches;
+  listed_ = used;
+  return Status::kOk;
+}
+
+Status Decoder::unpack(std::span<const std::uint8_t> slice, TileContent& content) noexcept {
+  const std::size_t pixels = config().camera.pixels();
+  switch (kind()) {
+    case FrameKind::kDepth:
+      return unpacker_.unpack_slice(tables_.coding(), tables_.key_hash(), slice,
+                                    {depth_.first(pixels), labels_.first(pixels)}, content);
+    case FrameKind::kRawCloud:
+      return raw_unpacker_.unpack_slice(config(), tables_.key_hash(), slice, cloud_.first(pixels),
+                                        content);
+    case FrameKind::kPoints:
+      break;
+  }
+  return unpack_list(slice, content);
 }
 
 Status Decoder::add(std::span<const std::uint8_t> slice) noexcept {
   TileContent content;
-  Status status = Status::kUnknownKey;
-  if (tables_.ready()) {
-    const std::size_t pixels = config().camera.pixels();
-    status = raw() ? raw_unpacker_.unpack_slice(config(), tables_.key_hash(), slice,
-                                                cloud_.first(pixels), content)
-                   : unpacker_.unpack_slice(tables_.coding(), tables_.key_hash(), slice,
-                                            {depth_.first(pixels), labels_.first(pixels)}, content);
-  }
+  const Status status = tables_.ready() ? unpack(slice, content) : Status::kUnknownKey;
   if (status == Status::kOk) {
     ++counts_.slices;
     counts_.points += content.points;
@@ -110,18 +177,19 @@ void Decoder::number_surfaces(const TileContent& tile) noexcept {
 
 Status Decoder::finish() noexcept {
   if (!tables_.ready()) return Status::kUnknownKey;
-  if (raw()) return Status::kOk;
+  if (kind() != FrameKind::kDepth) return Status::kOk;
   return regenerate(config(), tables_.rays(), tables_.scale(), depth(), cloud_);
 }
 
 std::span<const std::uint16_t> Decoder::depth() const noexcept {
-  return depth_.first(tables_.ready() && !raw() ? config().camera.pixels() : 0);
+  return depth_.first(depth_stream() ? config().camera.pixels() : 0);
 }
 std::span<const std::uint8_t> Decoder::labels() const noexcept {
-  return labels_.first(tables_.ready() && !raw() ? config().camera.pixels() : 0);
+  return labels_.first(depth_stream() ? config().camera.pixels() : 0);
 }
 std::span<const Point3f> Decoder::cloud() const noexcept {
-  return cloud_.first(tables_.ready() ? config().camera.pixels() : 0);
+  if (!tables_.ready()) return cloud_.first(0);
+  return cloud_.first(kind() == FrameKind::kPoints ? listed_ : config().camera.pixels());
 }
 
 }  // namespace planecast

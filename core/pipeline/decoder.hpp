@@ -9,13 +9,17 @@
 
 #include "core/base/arena.hpp"
 #include "core/pipeline/stream_tables.hpp"
+#include "core/regen/patch_fill.hpp"
 #include "core/wire/frame_unpack.hpp"
+#include "core/wire/patch_unpack.hpp"
+#include "core/wire/point_unpack.hpp"
 #include "core/wire/raw_unpack.hpp"
 
 namespace planecast {
 
 struct DecoderConfig {
-  FrameLimits limits{1280, 1024};  ///< larger streams are refused with kFrameTooLarge
+  FrameLimits limits{1280, 1024};  ///< larger streams are refused with kFrameTooLarge; lists of
+                                   ///< points have max_points, by default as many as pixels
 };
 
 /// What happened to the current frame's slices.
@@ -25,7 +29,7 @@ struct DecodedCounts {
   std::uint32_t unknown_key = 0;  ///< of them for want of their key packet
   std::uint32_t points = 0;
   std::uint32_t corrections = 0;
-  std::uint32_t surfaces = 0;  ///< different ones; slices repeat those they share
+  std::uint32_t surfaces = 0;  ///< different ones; slices repeat those they share. Lists: patches
 };
 
 /// Usage per frame: begin(), add() for each key packet and slice, finish(); then depth(), cloud().
@@ -55,26 +59,38 @@ class Decoder {
   const StreamTables& tables() const noexcept { return tables_; }
   const DecodedCounts& counts() const noexcept { return counts_; }
   std::size_t memory_in_use() const noexcept { return arena_.bytes_used(); }
-  /// Depth counts, row-major; empty for raw-cloud streams. Valid until the next begin().
+  /// Depth counts, row-major; empty for clouds and lists. Valid until the next begin().
   std::span<const std::uint16_t> depth() const noexcept;
-  /// 1 + surface number within the frame, 0 off surfaces; empty for raw-cloud streams. Surfaces
+  /// 1 + surface number within the frame, 0 off surfaces; empty for clouds and lists. Surfaces
   /// are numbered in the order in which the slices were added.
   std::span<const std::uint8_t> labels() const noexcept;
-  /// Points in the order of pixels; NaN = no reading. Valid until the next begin().
+  /// Points in the order of pixels, NaN = no reading; of a list those that came, in the order in
+  /// which their slices were added. Valid until the next begin().
   std::span<const Point3f> cloud() const noexcept;
 
  private:
   Status layout(Arena& arena, const DecoderConfig& config) noexcept;
   void number_surfaces(const TileContent& tile) noexcept;
-  bool raw() const noexcept { return config().kind == FrameKind::kRawCloud; }
+  FrameKind kind() const noexcept { return config().kind; }
+  bool depth_stream() const noexcept { return ready() && kind() == FrameKind::kDepth; }
+  Status unpack(std::span<const std::uint8_t> slice, TileContent& content) noexcept;
+  Status unpack_list(std::span<const std::uint8_t> slice, TileContent& content) noexcept;
+  Status unpack_points(std::span<const std::uint8_t> slice, std::uint32_t& used) noexcept;
+  Status unpack_patches(std::span<const std::uint8_t> slice, const PacketHeader& header,
+                        std::uint32_t& used, std::uint32_t& patches) noexcept;
 
   Arena arena_;
   StreamTables tables_;
   FrameUnpacker unpacker_;
   RawFrameUnpacker raw_unpacker_;
+  PointFrameUnpacker point_unpacker_;
+  PatchUnpacker patch_unpacker_;
+  PatchFiller patch_filler_;
   std::span<std::uint16_t> depth_;
   std::span<std::uint8_t> labels_;
   std::span<Point3f> cloud_;
+  std::span<GridPoint> grid_;  ///< lists
+  std::uint32_t listed_ = 0;   ///< points of the current list
   DecodedCounts counts_;
   std::array<Surface, 255> surfaces_{};  ///< of the current frame; counts_.surfaces are in use
 };

@@ -4,14 +4,29 @@
 
 #include "core/ring/slot_pool.hpp"
 #include "core/wire/key_packet.hpp"
+#include "core/wire/point_pack.hpp"
 
 namespace planecast {
 namespace {
 
 constexpr std::size_t kStages = 4;
 
-FrameLimits limits_of(const EncoderConfig& config) {
+FrameLimits limits_of(const EncoderConfig& config, const PointSurfaceOptions& search) {
+  if (config.stream.kind == FrameKind::kPoints)
+    return list_limits(config.stream, config.stages, search);
   return {config.stream.camera.width, config.stream.camera.height};
+}
+
+std::size_t least_slice_bytes(FrameKind kind) {
+  switch (kind) {
+    case FrameKind::kDepth:
+      return kMinSliceBytes;
+    case FrameKind::kRawCloud:
+      return kMinRawSliceBytes;
+    case FrameKind::kPoints:
+      break;
+  }
+  return kMinPointSliceBytes;
 }
 
 Result<Done> check(const EncoderConfig& config) {
@@ -26,12 +41,16 @@ Result<Done> check(const EncoderConfig& config) {
   if (in_sigmas && stream.noise.kind == NoiseModel::Kind::kUnknown) {
     return Error{Status::kBadConfig, "a tolerance in sigmas needs a noise model"};
   }
-  const std::size_t least =
-      config.stream.kind == FrameKind::kDepth ? kMinSliceBytes : kMinRawSliceBytes;
+  const std::size_t least = least_slice_bytes(config.stream.kind);
   if (config.stages.slice_bytes < least || config.stages.slice_bytes > kFileSliceBytes) {
     return Error{Status::kBadConfig, "slices of this stream have " + std::to_string(least) +
                                          " to " + std::to_string(kFileSliceBytes) + " bytes, not " +
                                          std::to_string(config.stages.slice_bytes)};
+  }
+  if (config.stages.neighbours < 3 || config.stages.neighbours > kMaxNeighbours) {
+    return Error{Status::kBadConfig, "points have 3 to " + std::to_string(kMaxNeighbours) +
+                                         " neighbours, not " +
+                                         std::to_string(config.stages.neighbours)};
   }
   if (config.stages.range_min > config.stages.range_max) {
     return Error{Status::kBadConfig, "the range's minimum lies above its maximum"};
@@ -52,7 +71,8 @@ Encoder::~Encoder() {
 }
 
 Status Encoder::layout(Arena& arena) noexcept {
-  const FrameLimits limits = limits_of(config_);
+  const PointSurfaceOptions search = surface_options(config_.stream, config_.stages);
+  const FrameLimits limits = limits_of(config_, search);
   tables_.layout(arena, limits);
   filter_.layout(arena, limits, config_.stream.kind);
   segment_.layout(arena, limits, config_.stream.kind);
@@ -131,16 +151,26 @@ Status Encoder::submit(const DepthView& frame, bool wait) noexcept {
   return runner_.submit(*handle);
 }
 
+Status Encoder::check_size(std::size_t points) const noexcept {
+  switch (config_.stream.kind) {
+    case FrameKind::kDepth:
+      break;
+    case FrameKind::kRawCloud:
+      return points == config_.stream.camera.pixels() ? Status::kOk : Status::kWrongSize;
+    case FrameKind::kPoints:
+      return points <= config_.stream.points.max_points ? Status::kOk : Status::kFrameTooLarge;
+  }
+  return Status::kWrongSize;
+}
+
 Status Encoder::submit(std::span<const Point3f> points, std::uint64_t number, std::int64_t stamp_ns,
                        bool wait) noexcept {
-  if (config_.stream.kind != FrameKind::kRawCloud ||
-      points.size() != config_.stream.camera.pixels()) {
-    return Status::kWrongSize;
-  }
+  if (const Status status = check_size(points.size()); status != Status::kOk) return status;
   const auto handle = wait ? runner_.claim_wait() : runner_.claim();
   if (!handle) return runner_.running() ? Status::kNoSlot : Status::kStopped;
   FrameSlot& slot = slots_[*handle];
   slot.begin(number, stamp_ns, steady_now_ns());
+  slot.listed = static_cast<std::uint32_t>(points.size());
   std::copy(points.begin(), points.end(), slot.points.begin());
   return runner_.submit(*handle);
 }

@@ -59,7 +59,8 @@ class Encoder {
   /// Source thread: copies a frame in. kNoSlot: every slot is in use, the frame is dropped and
   /// counted; kWrongSize; kStopped. No allocation. `wait` waits for a slot instead of dropping.
   Status submit(const DepthView& frame, bool wait = false) noexcept;
-  /// The same for a raw-cloud stream: width * height points, NaN = no reading.
+  /// The same for a raw-cloud stream: width * height points, NaN = no reading. For a stream of
+  /// points: any number up to max_points, else kFrameTooLarge; those that are not finite are none.
   Status submit(std::span<const Point3f> points, std::uint64_t number, std::int64_t stamp_ns,
                 bool wait = false) noexcept;
 
@@ -82,6 +83,7 @@ class Encoder {
  private:
   explicit Encoder(const EncoderConfig& config) : config_(config) {}
   Status layout(Arena& arena) noexcept;
+  Status check_size(std::size_t points) const noexcept;
   EncodedFrame finished(std::uint32_t handle) noexcept;
 
   EncoderConfig config_;

@@ -4,7 +4,22 @@
 
 namespace planecast {
 
+void FrameSlot::layout_list(Arena& arena, const FrameLimits& limits) noexcept {
+  const std::uint32_t most = limits.points();
+  points = arena.take<Point3f>(most);
+  fates = arena.take<std::uint8_t>(most);
+  grid = arena.take<GridPoint>(most);
+  seeks = limits.surfaces != nullptr;
+  if (seeks) list_surfaces.layout(arena, most, *limits.surfaces);
+  packed = arena.take<std::uint8_t>(limits.list_bytes);
+  places = arena.take<SlicePlace>(limits.list_slices);
+}
+
 void FrameSlot::layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept {
+  if (kind == FrameKind::kPoints) {
+    layout_list(arena, limits);
+    return;
+  }
   const std::size_t pixels = limits.pixels();
   const std::size_t blocks_in_frame =
       std::size_t{(limits.max_width + 7U) / 8} * ((limits.max_height + 7U) / 8);

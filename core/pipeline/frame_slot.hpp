@@ -6,8 +6,10 @@
 
 #include "core/base/arena.hpp"
 #include "core/model/frame_model.hpp"
+#include "core/model/grid_point.hpp"
 #include "core/model/region_map.hpp"
 #include "core/pipeline/frame_budget.hpp"
+#include "core/pipeline/point_surfaces.hpp"
 #include "core/pipeline/stream_tables.hpp"
 #include "core/wire/frame_pack.hpp"
 
@@ -26,6 +28,14 @@ struct PointCounts {
   std::uint32_t kept = 0;
 };
 
+/// What becomes of a point of a list.
+enum class PointFate : std::uint8_t {
+  kCoded = 0,      ///< travels as itself
+  kOutlier = 1,    ///< dropped
+  kOnSurface = 2,  ///< a patch brings back one in its place
+  kOffSurface = 3  ///< dropped
+};
+
 /// One slot. Fields are written by the stage named and read by later ones.
 struct FrameSlot {
   // source
@@ -33,9 +43,11 @@ struct FrameSlot {
   std::int64_t stamp_ns = 0;
   std::int64_t submitted_ns = 0;   ///< monotonic clock, frame in memory
   std::span<std::uint16_t> depth;  ///< source; filter, fit and drop modes clear readings
-  std::span<Point3f> points;       ///< raw-cloud streams
+  std::span<Point3f> points;  ///< raw clouds; lists: the first `listed`, out of range taken out
+  std::uint32_t listed = 0;   ///< lists: source; filter
   // filter
   std::span<std::uint8_t> outliers;  ///< 1: flagged
+  std::span<std::uint8_t> fates;     ///< lists: PointFate of each; filter, fit
   PointCounts counts;
   FrameEffort effort = FrameEffort::kFull;  ///< what the time allowed; stages may lower it
   std::int64_t spent_ns = 0;                ///< by stages that watch a budget
@@ -48,6 +60,10 @@ struct FrameSlot {
   std::span<Surface> surfaces;
   std::uint32_t surface_count = 0;
   std::uint8_t shift = 0;
+  std::span<GridPoint> grid;  ///< lists: the first `on_grid` are to be coded as themselves
+  std::uint32_t on_grid = 0;
+  PointSurfaces list_surfaces;  ///< lists: filter, segment and fit go on with what the last left
+  bool seeks = false;           ///< whether list_surfaces has memory
   // pack
   std::span<std::uint8_t> packed;
   std::span<SlicePlace> places;
@@ -62,6 +78,8 @@ struct FrameSlot {
     number = frame;
     stamp_ns = captured_ns;
     submitted_ns = now_ns;
+    listed = 0;
+    on_grid = 0;
     counts = {};
     effort = FrameEffort::kFull;
     spent_ns = 0;
@@ -78,6 +96,9 @@ struct FrameSlot {
   std::span<const std::uint8_t> slice(std::uint32_t i) const noexcept {
     return packed.subspan(places[i].offset, places[i].bytes);
   }
+
+ private:
+  void layout_list(Arena& arena, const FrameLimits& limits) noexcept;
 };
 
 }  // namespace planecast

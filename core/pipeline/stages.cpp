@@ -73,8 +73,10 @@ void FilterStage::bind(const StreamTables& tables, const StageOptions& options) 
 
 Status FilterStage::process(FrameSlot& slot) noexcept {
   slot.counts = {};
+  const FrameKind kind = tables_->config().kind;
+  if (kind == FrameKind::kPoints) return filter_list(tables_->config(), options_, slot);
   const FilterWork work(options_.budget, slot);
-  if (tables_->config().kind != FrameKind::kDepth) return Status::kOk;
+  if (kind != FrameKind::kDepth) return Status::kOk;
   slot.counts.input = readings(slot.depth);
   if (options_.range_min > 0 || options_.range_max < 65535) {
     slot.counts.out_of_range = apply_range_gate(slot.depth, options_.range_min, options_.range_max);
@@ -101,6 +103,8 @@ void SegmentStage::bind(const StreamTables& tables, const StageOptions& options)
 
 Status SegmentStage::process(FrameSlot& slot) noexcept {
   slot.regions = {};
+  if (tables_->config().kind == FrameKind::kPoints)
+    return segment_list(tables_->config(), options_, slot);
   if (tables_->config().kind != FrameKind::kDepth || !options_.surfaces) return Status::kOk;
   const TimedWork work(options_.budget, TimedStage::kSegment, slot);
   if (slot.effort >= FrameEffort::kNeighbours) return Status::kOk;
@@ -132,6 +136,7 @@ Status FitStage::process(FrameSlot& slot) noexcept {
   const StreamConfig& config = tables_->config();
   slot.surface_count = 0;
   slot.shift = 0;
+  if (config.kind == FrameKind::kPoints) return fit_list(config, options_, slot);
   if (config.kind != FrameKind::kDepth) return Status::kOk;
   std::fill(slot.blocks.begin(), slot.blocks.end(), BlockLabel{});
   if (!options_.surfaces) return Status::kOk;
@@ -157,10 +162,13 @@ Status FitStage::process(FrameSlot& slot) noexcept {
 }
 
 void PackStage::layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept {
-  if (kind == FrameKind::kDepth) {
-    packer_.layout(arena, limits.max_width, limits.max_height);
-  } else {
-    raw_packer_.layout(arena, limits.max_width, limits.max_height);
+  switch (kind) {
+    case FrameKind::kDepth:
+      return packer_.layout(arena, limits.max_width, limits.max_height);
+    case FrameKind::kRawCloud:
+      return raw_packer_.layout(arena, limits.max_width, limits.max_height);
+    case FrameKind::kPoints:
+      return list_packer_.layout(arena, limits);
   }
 }
 
@@ -169,26 +177,38 @@ void PackStage::bind(const StreamTables& tables, const StageOptions& options) no
   options_ = options;
 }
 
+PackDeadline PackStage::deadline_of(const FrameSlot& slot) const noexcept {
+  PackDeadline deadline;
+  if (options_.budget == nullptr || !options_.budget->limited()) return deadline;
+  deadline.clock = options_.budget->now_function();
+  deadline.end_ns = deadline.clock();
+  if (slot.effort != FrameEffort::kStored)
+    deadline.end_ns += options_.budget->budget_ns() - slot.spent_ns;
+  deadline.stored_ns = options_.budget->expected(TimedStage::kPack, FrameEffort::kStored);
+  return deadline;
+}
+
+Status PackStage::pack(const FrameIdentity& identity, FrameSlot& slot) noexcept {
+  switch (tables_->config().kind) {
+    case FrameKind::kDepth:
+      return packer_.pack(tables_->coding(), slot.model(), identity, options_.slice_bytes,
+                          slot.packed, slot.places, slot.report, deadline_of(slot));
+    case FrameKind::kRawCloud:
+      return raw_packer_.pack(tables_->config(), slot.points, identity, options_.slice_bytes,
+                              slot.packed, slot.places, slot.report);
+    case FrameKind::kPoints:
+      break;
+  }
+  return list_packer_.process(*tables_, options_, identity, slot);
+}
+
 Status PackStage::process(FrameSlot& slot) noexcept {
   const StreamConfig& config = tables_->config();
   const FrameIdentity identity{config.stream, static_cast<std::uint32_t>(slot.number),
                                stamp_offset(slot.stamp_ns, config.epoch_ns), tables_->key_hash()};
   slot.report = {};
   const TimedWork work(options_.budget, TimedStage::kPack, slot);
-  PackDeadline deadline;
-  if (options_.budget != nullptr && options_.budget->limited()) {
-    deadline.clock = options_.budget->now_function();
-    deadline.end_ns = deadline.clock();
-    if (slot.effort != FrameEffort::kStored)
-      deadline.end_ns += options_.budget->budget_ns() - slot.spent_ns;
-    deadline.stored_ns = options_.budget->expected(TimedStage::kPack, FrameEffort::kStored);
-  }
-  const Status status =
-      config.kind == FrameKind::kDepth
-          ? packer_.pack(tables_->coding(), slot.model(), identity, options_.slice_bytes,
-                         slot.packed, slot.places, slot.report, deadline)
-          : raw_packer_.pack(config, slot.points, identity, options_.slice_bytes, slot.packed,
-                             slot.places, slot.report);
+  const Status status = pack(identity, slot);
   if (slot.report.stored_tiles > 0) slot.effort = FrameEffort::kStored;
   if (status != Status::kOk) slot.report = {};  // slices of half a frame are none
   if (config.kind == FrameKind::kRawCloud) slot.counts.input = slot.report.points;

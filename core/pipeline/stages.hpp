@@ -8,6 +8,8 @@
 #include "core/filter/outlier_filter.hpp"
 #include "core/fit/surface_fitter.hpp"
 #include "core/pipeline/frame_slot.hpp"
+#include "core/pipeline/list_stages.hpp"
+#include "core/pipeline/stage_options.hpp"
 #include "core/segment/region_growing.hpp"
 #include "core/wire/frame_pack.hpp"
 #include "core/wire/raw_pack.hpp"
@@ -19,17 +21,6 @@ constexpr std::uint64_t stamp_offset(std::int64_t stamp_ns, std::int64_t epoch_n
   return (static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(epoch_ns)) &
          0xffffffffffffU;
 }
-
-/// What stages need to know beside the stream's tables.
-struct StageOptions {
-  std::size_t slice_bytes = 1190;  ///< most bytes of a slice, header included
-  std::uint16_t range_min = 0;     ///< [counts] readings outside become holes
-  std::uint16_t range_max = 65535;
-  bool drop_outliers = false;
-  bool surfaces = true;           ///< false: neighbour prediction only
-  bool curved = true;             ///< surfaces of degree two where they pay
-  FrameBudget* budget = nullptr;  ///< shared by the stages of one encoder; none = no limit
-};
 
 /// Range gate and statistical outlier filter.
 class FilterStage {
@@ -83,10 +74,14 @@ class PackStage {
   Status process(FrameSlot& slot) noexcept;
 
  private:
+  PackDeadline deadline_of(const FrameSlot& slot) const noexcept;
+  Status pack(const FrameIdentity& identity, FrameSlot& slot) noexcept;
+
   const StreamTables* tables_ = nullptr;
   StageOptions options_;
   FramePacker packer_;
   RawFramePacker raw_packer_;
+  ListPack list_packer_;
 };
 
 }  // namespace planecast

@@ -12,13 +12,17 @@ void StreamTables::layout(Arena& arena, const FrameLimits& limits) noexcept {
 
 Status StreamTables::build(const StreamConfig& config, std::uint32_t key_hash) noexcept {
   if (const Status status = check_config(config); status != Status::kOk) return status;
-  if (config.kind == FrameKind::kPoints) return Status::kUnsupportedVersion;
-  if (config.camera.width > limits_.max_width || config.camera.height > limits_.max_height) {
+  if (config.camera.width > limits_.max_width || config.camera.height > limits_.max_height ||
+      config.points.max_points > limits_.points()) {
     return Status::kFrameTooLarge;
   }
   ready_ = false;
   config_ = config;
   key_hash_ = key_hash;
+  if (config.kind == FrameKind::kPoints) {  // no rays, no levels
+    ready_ = true;
+    return Status::kOk;
+  }
   Status status = build_ray_table(config_.camera, ray_storage_, rays_);
   if (status != Status::kOk) return status;
   status = levels_.build(config_.lattice);

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "core/sim/sim_seed.hpp"
+
 namespace planecast {
 namespace {
 
@@ -28,15 +30,6 @@ Error bad(const char* name, double value, const char* mend) {
   char text[160];
   std::snprintf(text, sizeof text, "simulator: %s = %g: %s", name, value, mend);
   return {Status::kBadConfig, text};
-}
-
-// Every frame has its own numbers, so that frames may be rendered in any order. SplitMix64's mixing
-// (Steele, Lea, Flood 2014): neighbouring frames must not draw alike.
-std::uint64_t frame_seed(std::uint64_t seed, std::uint64_t frame) {
-  std::uint64_t z = seed * 0x9E3779B97F4A7C15ULL + frame;
-  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31U);
 }
 
 bool within(double value, double low, double high) {

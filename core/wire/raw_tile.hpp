@@ -20,7 +20,7 @@ class RawTile {
 
   /// Verbatim flag and rectangle; kFieldRange when the rectangle leaves the image.
   Status head(bool& verbatim, TileRect& rect) noexcept {
-    verbatim = io_.raw(verbatim ? kVerbatim : kModelled, 1) == kVerbatim;
+    verbatim = io_.raw(verbatim ? kVerbatimTile : kModelled, 1) == kVerbatimTile;
     const int xb = position_bits(blocks_wide(camera_));
     const int yb = position_bits(blocks_high(camera_));
     rect.bx = io_.raw(rect.bx, xb);

@@ -378,7 +378,7 @@ Status TilePacker::store(const CodingTables& tables, const FrameModel& frame, co
                          std::span<std::uint8_t> out, TileReport& report) noexcept {
   const TileSpan span = tile_span(tables.config->camera, rect);
   RangeEncoder coder(out);
-  coder.raw(kVerbatim, 1);
+  coder.raw(kVerbatimTile, 1);
   code_rect(coder, tables.config->camera, rect);
   report = {};
   report.verbatim = true;

@@ -126,6 +126,6 @@ inline std::uint8_t choice_context(const Neighbourhood& n) noexcept {
 
 /// Decision after which a tile stores counts as they are.
 inline constexpr std::uint32_t kModelled = 0;
-inline constexpr std::uint32_t kVerbatim = 1;
+inline constexpr std::uint32_t kVerbatimTile = 1;
 
 }  // namespace planecast

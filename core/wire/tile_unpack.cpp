@@ -109,7 +109,7 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
 Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
   const CameraModel& camera = job.tables.config->camera;
   TileContent& content = job.content;
-  content.verbatim = coder.raw(1) == kVerbatim;
+  content.verbatim = coder.raw(1) == kVerbatimTile;
   const int xb = position_bits(blocks_wide(camera));
   const int yb = position_bits(blocks_high(camera));
   TileRect rect;

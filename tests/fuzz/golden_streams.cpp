@@ -36,7 +36,9 @@ std::vector<GoldenStream> golden_streams(const fs::path& folder) {
     if (config.camera.pixels() > kMaxPixels) continue;
     GoldenStream stream{path.stem().string(), {frame.key.begin(), frame.key.end()}, {}, {}};
     for (const auto slice : frame.slices) stream.slices.emplace_back(slice.begin(), slice.end());
-    auto decoder = Decoder::create({.limits = {config.camera.width, config.camera.height}});
+    FrameLimits limits{config.camera.width, config.camera.height};
+    limits.max_points = config.points.max_points;
+    auto decoder = Decoder::create({limits});
     claim(decoder.ok() && (*decoder)->set_key(frame.key) == Status::kOk, path.c_str());
     stream.decoder = std::move(*decoder);
     out.push_back(std::move(stream));

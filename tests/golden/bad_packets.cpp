@@ -188,6 +188,45 @@ void add_slices(Collection& c, const Bytes& slice, const Bytes& raw) {
   c.search(Status::kBadSymbol, "raw_symbol", raw);
 }
 
+void add_lists(Collection& c, const BadBench& bench) {
+  const Bytes &key = bench.points_key, &points = bench.points_slice, &patches = bench.patches_slice;
+  const auto number = [&](const char* name, std::size_t at, std::size_t bytes, int value) {
+    c.add(Status::kFieldRange, name, key, [&](Bytes& b) {
+      for (std::size_t i = 0; i < bytes; ++i) b[kBody + at + i] = static_cast<std::uint8_t>(value);
+    });
+  };
+  number("key_no_points", 26, 4, 0);
+  number("key_too_many_points", 26, 4, 0xff);
+  number("key_points_without_step", 30, 8, 0);
+  number("key_points_beyond_their_bound", 38, 4, 0x0f);
+  number("key_patch_unit_zero", 42, 4, 0);
+  number("key_fill", 50, 1, 2);
+  c.add(Status::kFrameTooLarge, "key_more_points_than_fit", key,
+        [](Bytes& b) { b[kBody + 29] = 1; });
+  c.add(Status::kTruncated, "points_without_body", points, [](Bytes& b) { b.resize(kBody); });
+  c.add(Status::kTrailingBytes, "points_tail", points, [](Bytes& b) { b.resize(b.size() + 9); });
+  const auto kind = [&](std::uint32_t value) {
+    return [value](RangeEncoder& e) { e.raw(value, 2); };
+  };
+  c.add_body(Status::kFieldRange, "points_kind", points, kind(3));
+  c.add_body(Status::kTooLarge, "points_too_many", points, [](RangeEncoder& e) {
+    e.raw(0, 2);  // plain numbers, of a thousand points
+    e.raw(10, 6);
+    e.raw(1000, 10);
+    for (int axis = 0; axis < 3; ++axis) {
+      e.raw(0, 1);
+      e.raw(0xffff, 16);
+      e.raw(0xffff, 16);
+    }
+  });
+  c.search(Status::kBadSymbol, "points_symbol", points);
+  c.search(Status::kTruncated, "points_runs_out", points);
+  c.add(Status::kTrailingBytes, "patches_tail", patches, [](Bytes& b) { b.resize(b.size() + 9); });
+  c.search(Status::kFieldRange, "patches_range", patches);
+  c.search(Status::kTruncated, "patches_runs_out", patches);
+  c.search(Status::kTooLarge, "patches_too_many", patches);
+}
+
 void add_files(Collection& c, std::span<const std::uint8_t> file) {
   const Bytes good(file.begin(), file.end());
   const auto add = [&](Status status, const char* name, const std::function<void(Bytes&)>& spoil) {
@@ -206,7 +245,8 @@ void add_files(Collection& c, std::span<const std::uint8_t> file) {
 
 }  // namespace
 
-BadBench::BadBench(std::span<const std::uint8_t> depth, std::span<const std::uint8_t> raw) {
+BadBench::BadBench(std::span<const std::uint8_t> depth, std::span<const std::uint8_t> raw,
+                   std::span<const std::uint8_t> points, std::span<const std::uint8_t> patches) {
   const auto first = [](std::span<const std::uint8_t> file, Bytes& its_key, Bytes& its_slice) {
     const auto contents = read_plc(file);
     if (!contents.ok() || contents->frames.empty()) return;
@@ -216,6 +256,10 @@ BadBench::BadBench(std::span<const std::uint8_t> depth, std::span<const std::uin
   };
   first(depth, key, depth_slice);
   first(raw, raw_key, raw_slice);
+  first(points, points_key, points_slice);
+  first(patches, patches_key, patches_slice);
+  points_decoder_ = decoder_for(points_key);
+  patches_decoder_ = decoder_for(patches_key);
   depth_decoder_ = decoder_for(key);
   raw_decoder_ = decoder_for(raw_key);
 }
@@ -229,7 +273,10 @@ Status BadBench::decode(std::string_view name, std::span<const std::uint8_t> byt
     const auto fresh = decoder_for({});
     return fresh ? fresh->set_key(bytes) : Status::kOutOfArena;
   }
-  Decoder* decoder = name.starts_with("raw_") ? raw_decoder_.get() : depth_decoder_.get();
+  Decoder* decoder = name.starts_with("raw_")       ? raw_decoder_.get()
+                     : name.starts_with("points_")  ? points_decoder_.get()
+                     : name.starts_with("patches_") ? patches_decoder_.get()
+                                                    : depth_decoder_.get();
   if (decoder == nullptr) return Status::kBadConfig;
   const Status status = decoder->begin();
   return status == Status::kOk ? decoder->add(bytes) : status;
@@ -237,12 +284,14 @@ Status BadBench::decode(std::string_view name, std::span<const std::uint8_t> byt
 
 Result<std::vector<BadPacket>> bad_packets(const BadBench& bench,
                                            std::span<const std::uint8_t> small_file) {
-  if (bench.depth_slice.empty() || bench.raw_slice.empty())
+  if (bench.depth_slice.empty() || bench.raw_slice.empty() || bench.points_slice.empty() ||
+      bench.patches_slice.empty())
     return Error{Status::kBadConfig, "the golden files hold no slices"};
   Collection c(bench);
   add_headers(c, bench.key, bench.depth_slice);
   add_keys(c, bench.key);
   add_slices(c, bench.depth_slice, bench.raw_slice);
+  add_lists(c, bench);
   add_files(c, small_file);
   return c.take();
 }

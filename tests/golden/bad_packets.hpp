@@ -26,16 +26,19 @@ struct BadPacket {
 /// Decodes spoilt packets after the good key packets of a depth and of a raw stream.
 class BadBench {
  public:
-  /// `depth` and `raw`: .plc files with at least one frame each.
-  BadBench(std::span<const std::uint8_t> depth, std::span<const std::uint8_t> raw);
+  /// .plc files with at least one frame each: a depth stream, raw clouds, a list of points, and one
+  /// that begins with patches.
+  BadBench(std::span<const std::uint8_t> depth, std::span<const std::uint8_t> raw,
+           std::span<const std::uint8_t> points, std::span<const std::uint8_t> patches);
 
   /// What becomes of the bytes: the status of read_plc, Decoder::set_key or Decoder::add.
   Status decode(std::string_view name, std::span<const std::uint8_t> bytes) const;
 
-  Bytes key, depth_slice, raw_key, raw_slice;
+  Bytes key, depth_slice, raw_key, raw_slice, points_key, points_slice, patches_key, patches_slice;
 
  private:
-  std::unique_ptr<Decoder> depth_decoder_, raw_decoder_;  ///< with their key packets
+  std::unique_ptr<Decoder> depth_decoder_, raw_decoder_, points_decoder_,
+      patches_decoder_;  ///< with their key packets
 };
 
 /// All of them; kBadConfig with the name when one does not end with its status.

@@ -207,7 +207,75 @@ void add_clouds(const Images& in, std::vector<GoldenCase>& out) {
   out.push_back(c);
 }
 
+// Whole millimetres: a floor and a wall with a little noise, and points anywhere beside them.
+std::vector<Point3f> integer_list(std::uint32_t count) {
+  Pcg32 random(21);
+  const auto mm = [](std::int64_t n) { return static_cast<float>(static_cast<double>(n) * 0.001); };
+  std::vector<Point3f> out;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::int64_t u = 13 * (i % 29) + random.below(5), v = 17 * (i / 29) + random.below(5);
+    const std::int64_t w = random.below(3);
+    if (i % 12 == 7) {
+      out.push_back({mm(random.below(400)), mm(random.below(400)), mm(100 + random.below(300))});
+    } else {
+      out.push_back(i % 2 == 0 ? Point3f{mm(u), mm(v), mm(w)} : Point3f{mm(w - 20), mm(v), mm(u)});
+    }
+  }
+  return out;
+}
+
+std::vector<Point3f> odd_list(std::uint32_t count) {
+  std::vector<Point3f> out;
+  for (const Point3f& p : odd_cloud(4 * count)) {
+    const bool finite = p.x - p.x == 0 && p.y - p.y == 0 && p.z - p.z == 0;
+    if (finite && out.size() < count) out.push_back(p);
+  }
+  return out;
+}
+
+void add_lists(std::vector<GoldenCase>& out) {
+  GoldenCase base{"points_bits", room_config(1, 1), kFileSliceBytes, {}, {odd_list(60)}};
+  StreamConfig& config = base.config;
+  config.kind = FrameKind::kPoints;
+  config.camera = {};
+  config.noise = {NoiseModel::Kind::kTof, 2'000'000};
+  config.points.max_points = 800;
+  config.points.patch_unit_nm = 195'313;  // alpha 0.05 m
+  config.points.seed = 7;
+  base.dump = true;
+  out.push_back(base);
+  base.clouds = {integer_list(700), integer_list(40), {}};
+  base.config.axes.t_um = {691'000'000'000, 5'334'000'000'000, 0};
+  base.config.points.step_pm = 1'000'000'000;
+  base.name = "points_grid";
+  base.dump = false;
+  out.push_back(base);
+  base.slice_bytes = 300;
+  base.config.points.step_pm = 78'125'000;
+  base.config.points.tolerance_steps = 126;
+  base.name = "points_metres";
+  set_bound(base.config, ToleranceKind::kMetres, 100'000);
+  out.push_back(base);
+  base.name = "points_sigma";
+  set_bound(base.config, ToleranceKind::kSigma, 5U << 16U);
+  out.push_back(base);
+  base.name = "points_surfaces_keep";
+  set_bound(base.config, ToleranceKind::kSurfaces, 5U << 16U);
+  out.push_back(base);
+  base.name = "points_paper";
+  base.slice_bytes = kWireSlice;
+  base.config.drop_off_surface = base.drop_outliers = true;
+  base.config.points.fill = FillMode::kRandom;
+  out.push_back(base);
+}
+
 }  // namespace
+
+FrameLimits limits_of(const GoldenCase& c) {
+  FrameLimits limits{c.config.camera.width, c.config.camera.height};
+  limits.max_points = c.config.points.max_points;
+  return limits;
+}
 
 Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder) {
   Images images;
@@ -222,6 +290,7 @@ Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder
   add_sensors(images, out);
   add_sizes(images, out);
   add_clouds(images, out);
+  add_lists(out);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "core/base/status.hpp"
 #include "core/cloud/sensor_frame.hpp"
 #include "core/model/stream_config.hpp"
+#include "core/pipeline/stream_tables.hpp"
 
 namespace planecast::test {
 
@@ -21,8 +22,12 @@ struct GoldenCase {
   std::vector<std::vector<std::uint16_t>> depth;
   std::vector<std::vector<Point3f>> clouds;
   bool surfaces = true;  ///< whether the encoder looks for surfaces
-  bool dump = false;     ///< small enough to list point by point in name.txt
+  bool drop_outliers = false;
+  bool dump = false;  ///< small enough to list point by point in name.txt
 };
+
+/// The frame that a decoder of the case needs memory for.
+FrameLimits limits_of(const GoldenCase& c);
 
 /// All cases. `folder` holds inputs/*.u16; an error names the one that cannot be read.
 Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <filesystem>
 #include <map>
 
@@ -37,7 +39,7 @@ const std::vector<GoldenCase>& cases() {
 
 // What a vector decodes to, as the lines of expected.txt; or why it does not.
 std::string lines_of(const GoldenCase& c, std::span<const std::uint8_t> bytes) {
-  const auto frames = decode_golden(bytes, {c.config.camera.width, c.config.camera.height});
+  const auto frames = decode_golden(bytes, limits_of(c));
   return frames.ok() ? expected_lines(c.name, *frames)
                      : c.name + ": " + frames.error().message + "\n";
 }
@@ -77,8 +79,38 @@ TEST(Golden, AFlippedByteIsSeen) {
   }
 }
 
+std::vector<std::array<std::uint32_t, 3>> sorted_bits(const std::vector<Point3f>& points) {
+  std::vector<std::array<std::uint32_t, 3>> out;
+  const auto bits = [](float f) { return std::bit_cast<std::uint32_t>(f); };
+  for (const Point3f& p : points) out.push_back({bits(p.x), bits(p.y), bits(p.z)});
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+TEST(Golden, LosslessListsDecodeToTheirInputsInSomeOrderAndOthersToAsManyPoints) {
+  int lists = 0;
+  for (const GoldenCase& c : cases()) {
+    if (c.config.kind != FrameKind::kPoints) continue;
+    ++lists;
+    const auto frames = decode_golden(file(c.name + ".plc"));
+    ASSERT_TRUE(frames.ok()) << c.name;
+    ASSERT_EQ(frames->size(), c.clouds.size());
+    for (std::size_t i = 0; i < frames->size(); ++i) {
+      const auto& out = (*frames)[i].cloud;
+      if (c.config.tolerance == ToleranceKind::kLossless)
+        EXPECT_EQ(sorted_bits(out), sorted_bits(c.clouds[i])) << c.name;
+      if (c.config.drop_off_surface)
+        EXPECT_LE(out.size(), c.clouds[i].size()) << c.name;
+      else
+        EXPECT_EQ(out.size(), c.clouds[i].size()) << c.name;
+    }
+  }
+  EXPECT_EQ(lists, 6);
+}
+
 TEST(Golden, LosslessVectorsDecodeToTheirInputs) {
   for (const GoldenCase& c : cases()) {
+    if (c.config.kind == FrameKind::kPoints) continue;
     const auto frames = decode_golden(file(c.name + ".plc"));
     ASSERT_TRUE(frames.ok());
     ASSERT_EQ(frames->size(), std::max(c.depth.size(), c.clouds.size()));
@@ -113,7 +145,7 @@ TEST(Golden, EncodingTheSameFramesGivesTheSameBytes) {
 
 TEST(Golden, EverySpoiltPacketEndsWithTheStatusInItsName) {
   const Bytes depth = file("metres_160x120.plc"), raw = file("raw_64x48.plc");
-  const BadBench bench(depth, raw);
+  const BadBench bench(depth, raw, file("points_metres.plc"), file("points_paper.plc"));
   std::map<std::string, int> seen;
   for (const auto& entry : fs::directory_iterator(kFolder / "bad")) {
     const std::string name = entry.path().filename().string();
@@ -123,17 +155,17 @@ TEST(Golden, EverySpoiltPacketEndsWithTheStatusInItsName) {
     EXPECT_EQ(to_string(status), name.substr(0, split)) << name << kMend;
     ++seen[name.substr(0, split)];
   }
-  // kTooLarge needs a decoder whose parts disagree, or a file of 2^28 bytes.
-  for (const char* status :
-       {"kTruncated", "kBadMagic", "kUnsupportedVersion", "kReservedBits", "kBadCheck",
-        "kFieldRange", "kUnknownKey", "kBadSymbol", "kTrailingBytes", "kFrameTooLarge"}) {
+  for (const char* status : {"kTruncated", "kBadMagic", "kUnsupportedVersion", "kReservedBits",
+                             "kBadCheck", "kFieldRange", "kUnknownKey", "kBadSymbol", "kTooLarge",
+                             "kTrailingBytes", "kFrameTooLarge"}) {
     EXPECT_GT(seen[status], 0) << status;
   }
 }
 
 TEST(Golden, SpoiltPacketsAreThoseThatTheProgramMakes) {
   const Bytes depth = file("metres_160x120.plc"), raw = file("raw_64x48.plc");
-  const auto made = bad_packets(BadBench(depth, raw), file("lossless_1x1.plc"));
+  const BadBench bench(depth, raw, file("points_metres.plc"), file("points_paper.plc"));
+  const auto made = bad_packets(bench, file("lossless_1x1.plc"));
   ASSERT_TRUE(made.ok()) << made.error().message;
   for (const BadPacket& packet : *made)
     EXPECT_TRUE(packet.bytes == file("bad/" + packet.file_name())) << packet.file_name() << kMend;
@@ -148,6 +180,8 @@ TEST(Golden, VectorsCoverWhatTheyAreNamedFor) {
   EXPECT_GT(slices("lossless_slices_160x120"), 4);
   EXPECT_EQ(slices("wide_2100x1"), 2) << "a tile has at most 256 blocks a side";
   EXPECT_EQ(slices("lossless_1x1"), 1);
+  EXPECT_GT(slices("points_metres"), 1);
+  EXPECT_GT(slices("points_surfaces_keep"), 1) << "patches, then points";
   std::uintmax_t bytes = 0;
   for (const auto& entry : fs::recursive_directory_iterator(kFolder))
     if (entry.is_regular_file()) bytes += entry.file_size();

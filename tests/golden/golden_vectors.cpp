@@ -61,6 +61,7 @@ Result<Bytes> encode_golden(const GoldenCase& c) {
   config.stream = c.config;
   config.stages.slice_bytes = c.slice_bytes;
   config.stages.surfaces = c.surfaces;
+  config.stages.drop_outliers = config.stages.paper = c.drop_outliers;
   config.runner.mode = RunMode::kInline;
   config.runner.slots = 1;
   auto encoder = Encoder::create(config);
@@ -120,6 +121,7 @@ std::string expected_lines(const std::string& name, const std::vector<GoldenFram
 }
 
 std::string dump_lines(const GoldenFrame& frame, std::uint32_t width) {
+  if (width == 0) width = static_cast<std::uint32_t>(frame.cloud.size());  // a list: one row
   std::string out = "# u v count label x y z (the bits of float32; -1: the stream has none)\n";
   for (std::uint32_t i = 0; i < frame.cloud.size(); ++i) {
     const Point3f& p = frame.cloud[i];

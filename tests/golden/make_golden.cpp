@@ -36,7 +36,11 @@ Result<Done> write_bad(const fs::path& folder) {
   const auto small = read_golden_file(folder / "lossless_1x1.plc");
   if (!depth.ok() || !raw.ok() || !small.ok())
     return Error{Status::kNotFound, "the vectors were not written"};
-  const auto bad = bad_packets(BadBench(*depth, *raw), *small);
+  const auto points = read_golden_file(folder / "points_metres.plc");
+  const auto patches = read_golden_file(folder / "points_paper.plc");
+  if (!points.ok() || !patches.ok())
+    return Error{Status::kNotFound, "the vectors were not written"};
+  const auto bad = bad_packets(BadBench(*depth, *raw, *points, *patches), *small);
   if (!bad.ok()) return bad.error();
   fs::remove_all(folder / "bad");
   fs::create_directory(folder / "bad");

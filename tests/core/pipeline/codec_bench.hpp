@@ -86,8 +86,32 @@ inline const StreamCase kStreamCases[] = {
     {"RawCloud", FrameKind::kRawCloud},
 };
 
+/// Lists of points, of the same scenes.
+inline const StreamCase kListCases[] = {
+    {"PointsLossless", FrameKind::kPoints},
+    {"PointsTenMillimetres", FrameKind::kPoints, ToleranceKind::kMetres, 0.010},
+    {"PointsSurfacesKeep", FrameKind::kPoints, ToleranceKind::kSurfaces, 3},
+    {"PointsSurfacesDrop", FrameKind::kPoints, ToleranceKind::kSurfaces, 3, true},
+};
+
 inline void PrintTo(const StreamCase& c, std::ostream* out) {
   *out << c.name;
+}
+
+/// Turns a stream of a camera into one of lists as large as its images: a grid of 1/128 of a bound
+/// in metres, the bits where there is none.
+inline void make_list(StreamConfig& config) {
+  config.points = {};
+  config.points.max_points = config.camera.pixels();
+  config.points.patch_unit_nm = 390'625;
+  config.noise = {NoiseModel::Kind::kTof, 4'000'000};
+  config.points.step_pm = point_bound_pm(config) / 128;
+  if (config.points.step_pm != 0) config.points.tolerance_steps = 126;
+  config.camera = {};
+  config.lattice = {};
+  config.z_rule = ZRule::kProductInDouble;
+  config.mirror_y = false;
+  config.axes.q_q30 = PoseFixed{}.q_q30;
 }
 
 inline void set_case(const StreamCase& c, StreamConfig& config) {
@@ -102,6 +126,7 @@ inline void set_case(const StreamCase& c, StreamConfig& config) {
     config.sigmas_q16 = static_cast<std::uint32_t>(std::lround(c.value * 65536));
   }
   if (c.kind == FrameKind::kRawCloud) config.lattice = {};
+  if (c.kind == FrameKind::kPoints) make_list(config);
 }
 
 /// The stream in the given case.
@@ -134,7 +159,7 @@ inline std::vector<Point3f> raw_points(const CameraModel& camera,
 class Source {
  public:
   Source(const SimStream& stream, const StreamCase& c) : depth_(&stream.frames) {
-    if (c.kind != FrameKind::kRawCloud) return;
+    if (c.kind == FrameKind::kDepth) return;
     for (const auto& frame : stream.frames)
       clouds_.push_back(raw_points(stream.config.camera, frame));
   }
@@ -221,6 +246,13 @@ inline std::vector<Coded> encode_frames(Encoder& encoder, const Source& source, 
 inline std::vector<std::uint8_t> key_of(const Encoder& encoder, std::uint64_t frame = 0) {
   std::vector<std::uint8_t> out(kPacketHeaderBytes + kMaxKeyBodyBytes);
   out.resize(encoder.key_packet(frame, 0, out));
+  return out;
+}
+
+/// The decoder that a stream needs at least.
+inline DecoderConfig decoder_config(const StreamConfig& stream) {
+  DecoderConfig out{{stream.camera.width, stream.camera.height}};
+  out.limits.max_points = stream.points.max_points;
   return out;
 }
 

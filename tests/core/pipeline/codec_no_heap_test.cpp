@@ -32,7 +32,7 @@ HeapGuardTotals run_codec(const SimStream& stream, const StreamCase& c, std::uin
   config.runner.on_thread_stop = HeapGuard::disarm_this_thread;
   const Source source(stream, c);
   const auto encoder = make_encoder(config, false);
-  const auto decoder = make_decoder({{config.stream.camera.width, config.stream.camera.height}});
+  const auto decoder = make_decoder(decoder_config(config.stream));
   const auto key = key_of(*encoder);
   HeapGuard::reset();
   EXPECT_TRUE(encoder->start().ok());
@@ -81,18 +81,24 @@ class CodecNoHeap : public testing::TestWithParam<StreamCase> {
 };
 INSTANTIATE_TEST_SUITE_P(Kinds, CodecNoHeap, testing::ValuesIn(kStreamCases),
                          [](const auto& param) { return std::string(param.param.name); });
+INSTANTIATE_TEST_SUITE_P(Lists, CodecNoHeap, testing::ValuesIn(kListCases),
+                         [](const auto& param) { return std::string(param.param.name); });
 
 TEST_P(CodecNoHeap, AThousandFramesThroughSixThreadsDoNothingForbidden) {
   PLANECAST_NEED_HEAP_GUARD();
   // Raw clouds take ten times as long to code.
-  const bool raw = GetParam().kind == FrameKind::kRawCloud;
-  const SimStream stream = raw ? sim_stream(80, 60, 50) : sim_stream(160, 120, 50);
+  // Surfaces of lists take longer still.
+  const FrameKind kind = GetParam().kind;
+  const SimStream stream = kind == FrameKind::kDepth      ? sim_stream(160, 120, 50)
+                           : kind == FrameKind::kRawCloud ? sim_stream(80, 60, 50)
+                                                          : sim_stream(40, 30, 50);
   expect_nothing(run_codec(stream, GetParam(), 1000));
 }
 
 TEST_P(CodecNoHeap, VgaFramesThroughSixThreadsDoNothingForbidden) {
   PLANECAST_NEED_HEAP_GUARD();
-  static const SimStream stream = sim_stream(640, 480, 4);
+  static const SimStream vga = sim_stream(640, 480, 4), small = sim_stream(160, 120, 4);
+  const SimStream& stream = GetParam().kind == FrameKind::kPoints ? small : vga;
   expect_nothing(run_codec(stream, GetParam(), 12));
 }
 

@@ -170,7 +170,7 @@ TEST(HostileSlices, AnEmptyBodyForTheLargestTileStopsEarly) {
   // Verbatim, whole image, then nothing: the first missing rows end it.
   Bytes packet = slice_of(random, b, 8);
   RangeEncoder coder{std::span(packet).subspan(kPacketHeaderBytes)};
-  coder.raw(kVerbatim, 1);
+  coder.raw(kVerbatimTile, 1);
   coder.raw(0, position_bits(80));
   coder.raw(0, position_bits(60));
   coder.raw(79, position_bits(80));

@@ -67,7 +67,7 @@ class Stream {
     config.runner.on_thread_start = arm;
     config.runner.on_thread_stop = disarm_pipeline;
     encoder_ = make_encoder(config, false);
-    decoder_ = make_decoder({{config.stream.camera.width, config.stream.camera.height}});
+    decoder_ = make_decoder(decoder_config(config.stream));
     SubscriberConfig receive;
     receive.parse = parse_planecast_packet;
     receive.assembly.frame_bits = kPacketFrameBits;
@@ -169,11 +169,15 @@ INSTANTIATE_TEST_SUITE_P(Kinds, NoHeapStream,
                          testing::Values(kStreamCases[0], kStreamCases[2], kStreamCases[4],
                                          kStreamCases[5]),
                          [](const auto& param) { return std::string(param.param.name); });
+INSTANTIATE_TEST_SUITE_P(Lists, NoHeapStream, testing::Values(kListCases[1], kListCases[2]),
+                         [](const auto& param) { return std::string(param.param.name); });
 
 // Under a sanitizer the guard counts nothing; the run then only shows that the threads agree.
 TEST_P(NoHeapStream, FramesOverLcmArriveWholeAndNoThreadDoesAnythingForbidden) {
-  const bool raw = GetParam().kind == FrameKind::kRawCloud;
-  const SimStream sim = raw ? sim_stream(80, 60, 30) : sim_stream(160, 120, 30);
+  const FrameKind kind = GetParam().kind;
+  const SimStream sim = kind == FrameKind::kDepth      ? sim_stream(160, 120, 30)
+                        : kind == FrameKind::kRawCloud ? sim_stream(80, 60, 30)
+                                                       : sim_stream(40, 30, 30);
   armed.store(0);
   Stream stream(sim, GetParam());
   const Received received = stream.run(kFrames);
