@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace planecast {
 
@@ -34,8 +35,25 @@ bool NearGrid::fill(std::span<const Point3f> points, double distance_m) noexcept
                          i};
   }
   std::sort(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(used_),
-            [](const Entry& a, const Entry& b) { return a.cell < b.cell; });
+            [points](const Entry& a, const Entry& b) {
+              const Point3f &p = points[a.point], &q = points[b.point];
+              return std::tie(a.cell, p.x, p.y, p.z) < std::tie(b.cell, q.x, q.y, q.z);
+            });
+  const auto end =
+      std::unique(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(used_),
+                  [points](const Entry& a, const Entry& b) {
+                    const Point3f &p = points[a.point], &q = points[b.point];
+                    return p.x == q.x && p.y == q.y && p.z == q.z;
+                  });
+  used_ = static_cast<std::size_t>(end - entries_.begin());
   return true;
+}
+
+double NearGrid::farthest_m(const NearGrid& other) const noexcept {
+  double worst = 0;
+  for (std::size_t i = 0; i < used_; ++i)
+    worst = std::max(worst, other.nearest_m(points_[entries_[i].point]));
+  return worst;
 }
 
 double NearGrid::nearest_m(const Point3f& p) const noexcept {

@@ -19,6 +19,10 @@ class NearGrid {
   /// there is room for. O(n log n), no allocation.
   bool fill(std::span<const Point3f> points, double distance_m) noexcept;
 
+  /// Largest distance [m] of a point of this list to its nearest of `other`; infinite when one has
+  /// none within the distance. Equal points, which coarse grids make many of, are looked up once.
+  double farthest_m(const NearGrid& other) const noexcept;
+
   /// Distance to the nearest point [m] when it is within the distance; infinite when none is.
   double nearest_m(const Point3f& p) const noexcept;
 

@@ -210,11 +210,8 @@ void ReferenceCheck::check_list(const Frame& original, const Decoder& decoder,
   }
   const double bound_m = Bound(tolerance_, stream).at(0);
   if (!original_grid_.fill(in, bound_m) || !decoded_grid_.fill(back, bound_m)) return;
-  double worst = 0;
-  for (const Point3f& p : back) worst = std::max(worst, original_grid_.nearest_m(p));
-  if (!may_drop) {
-    for (const Point3f& p : in) worst = std::max(worst, decoded_grid_.nearest_m(p));
-  }
+  double worst = decoded_grid_.farthest_m(original_grid_);
+  if (!may_drop) worst = std::max(worst, original_grid_.farthest_m(decoded_grid_));
   out.max_ratio = std::isfinite(worst) ? worst / bound_m : FrameCheck::kBeyond;
   out.max_error_m = std::isfinite(worst) ? worst : 0;
 }
