@@ -36,7 +36,6 @@ class Chain {
     regions_.resize(points);
     members_.resize(points);
     planes_.resize(points / options.min_points + 1);
-    drafts_.resize(planes_.size());
     stream_.max_points = most;
     stream_.patch_unit_nm = patch_unit_nm(options.alpha_m);
     stream_.seed = static_cast<std::uint32_t>(options.seed);
@@ -99,7 +98,7 @@ class Chain {
     result.regions = report_.regions;
     result.planes = plane_count_;
     result.in_regions = report_.points;
-    result.in_planes = member_count_;
+    result.in_planes = kept_.size();
     result.intra_mm = report_.intra_distance * 1e3;
     result.inter_mm = report_.inter_distance * 1e3;
     result.bytes = packed_.bytes;
@@ -109,8 +108,7 @@ class Chain {
       if (flags_[i] == 0) result.filtered_cloud.push_back({c.x[i], c.y[i], c.z[i]});
     }
     result.filtered = result.filtered_cloud.size();
-    for (std::uint32_t m = 0; m < member_count_; ++m) {
-      const std::uint32_t i = members_[m];
+    for (const std::uint32_t i : kept_) {
       result.kept_cloud.push_back({c.x[i], c.y[i], c.z[i]});
     }
   }
@@ -128,14 +126,15 @@ class Chain {
   PointColumns columns() const { return {neighbours_.x(), neighbours_.y(), neighbours_.z()}; }
 
   void hulls() {
-    cells_.resize(hull_cells(member_count_, plane_count_));
-    used_ = 0;
-    const double unit_m = patch_unit_m(stream_);
-    for (std::uint32_t p = 0; p < plane_count_; ++p) {
-      const PointPlane& plane = planes_[p];
-      check(make_hull(plane, std::span(members_).subspan(plane.first, plane.count), columns(),
-                      unit_m, {}, cells_, used_, drafts_[p]),
-            "hull");
+    cells_.resize(hull_cells(member_count_, plane_count_, {}));
+    drafts_.resize(hull_drafts(member_count_, plane_count_, {}));
+    hulls_ = {.cells = cells_, .drafts = drafts_};
+    kept_.clear();
+    for (const PointPlane& plane : std::span(planes_).first(plane_count_)) {
+      const std::span<std::uint32_t> own = std::span(members_).subspan(plane.first, plane.count);
+      std::uint32_t kept = 0;
+      check(make_hulls(plane, own, columns(), patch_unit_m(stream_), {}, hulls_, kept), "hull");
+      kept_.insert(kept_.end(), own.begin(), own.begin() + kept);
     }
   }
 
@@ -143,10 +142,10 @@ class Chain {
   void pack() {
     if (out_.empty()) out_.resize(std::size_t{1} << 20U);
     places_.resize(65535);
-    const std::span<const PatchDraft> drafts = std::span(drafts_).first(plane_count_);
+    const std::span<const PatchDraft> drafts = std::span(drafts_).first(hulls_.drafts_used);
     for (;;) {
       packed_ = {};
-      const Status status = packer_.pack(drafts, std::span(cells_).first(used_), {},
+      const Status status = packer_.pack(drafts, std::span(cells_).first(hulls_.cells_used), {},
                                          kFileSliceBytes, out_, places_, packed_);
       if (status != Status::kTooLarge || out_.size() > (std::size_t{1} << 30U))
         return check(status, "pack");
@@ -157,8 +156,7 @@ class Chain {
   // Cells inside with a side towards a cell outside.
   std::size_t border_cells() const {
     std::size_t border = 0;
-    for (std::uint32_t p = 0; p < plane_count_; ++p) {
-      const PatchDraft& d = drafts_[p];
+    for (const PatchDraft& d : std::span(drafts_).first(hulls_.drafts_used)) {
       const auto inside = [&](std::int64_t i, std::int64_t j) {
         return i >= 0 && j >= 0 && i < d.wide && j < d.high &&
                cells_[d.first_cell + static_cast<std::size_t>(j * d.wide + i)].inside();
@@ -187,12 +185,12 @@ class Chain {
   FrameReport packed_;
   std::vector<std::uint8_t> flags_, out_;
   std::vector<float> x_, y_, z_, curvature_;
-  std::vector<std::uint32_t> regions_, members_;
+  std::vector<std::uint32_t> regions_, members_, kept_;
   std::vector<PointPlane> planes_;
   std::vector<PatchDraft> drafts_;
   std::vector<DraftCell> cells_;
   std::vector<SlicePlace> places_;
-  std::size_t used_ = 0;
+  HullOutput hulls_;
   std::uint32_t plane_count_ = 0, member_count_ = 0;
 };
 
