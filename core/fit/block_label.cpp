@@ -13,7 +13,9 @@ namespace {
 constexpr std::uint32_t kBorder = 4;
 // Bits: a label that is the left block's, the one above's, or another's; what a surface costs.
 constexpr float kAsLeftBits = 0.1F, kAsAboveBits = 2.5F, kOtherBits = 7.0F;
-constexpr float kSurfaceBits = 200.0F;
+constexpr float kSurfaceBitsLossless = 200.0F, kSurfaceBitsBounded = 400.0F;
+// A block within the bound of a surface is flat without it, too, at little more.
+constexpr float kFitsBits = 16.0F, kFlatSaves = 0.6F;
 // Bits of n corrections of mean magnitude m: n log2(1 + kSpread m), near enough for comparing.
 constexpr float kSpread = 2.5F;
 constexpr float kMissCap = 24.0F;
@@ -197,7 +199,9 @@ void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16
           best_offer(tables, block_candidates(regions, surface_of, bx, by), surfaces, bx, by);
     }
   }
-  choose(regions, tables.bounds->lossless() ? kLosslessSay : kBoundedSay, labels);
+  const bool lossless = tables.bounds->lossless();
+  choose(regions, lossless ? kLosslessSay : kBoundedSay,
+         lossless ? kSurfaceBitsLossless : kSurfaceBitsBounded, labels);
 }
 
 // The surface that a block gains most by.
@@ -230,7 +234,7 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
     const float gain = view.rows->share * (without - sure * bits_of(misses, readings));
     const float worth = gain - label_bits(label, left, above);
     if (best.label != 0 && worth <= best_worth) continue;
-    best = {gain, label};
+    best = {gain, label, half > 0 && view.rows->share * bits_of(misses, readings) < kFitsBits};
     best_worth = worth;
   }
   return best;
@@ -238,7 +242,7 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
 
 // Takes the offers that pay for their label. A few pixels say little of one block, more when those
 // next to it with the same offer have a say.
-void BlockLabeller::choose(const RegionMap& regions, float own_say,
+void BlockLabeller::choose(const RegionMap& regions, float own_say, float least,
                            std::span<BlockLabel> labels) noexcept {
   const std::uint32_t wide = regions.cells_wide, high = regions.cells_high;
   std::array<float, kMaxSurfaces + 1> saved{};
@@ -263,11 +267,11 @@ void BlockLabeller::choose(const RegionMap& regions, float own_say,
           sum / weight + label_bits(0, left, above) - label_bits(offer.label, left, above);
       if (gain <= 0) continue;
       labels[block].first = offer.label;
-      saved[offer.label] += gain;
+      saved[offer.label] += offer.fits ? std::min(gain, kFlatSaves) : gain;
     }
   }
   for (BlockLabel& label : labels) {
-    if (saved[label.first] < kSurfaceBits) label.first = 0;
+    if (saved[label.first] < least) label.first = 0;
   }
 }
 

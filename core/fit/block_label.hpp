@@ -40,6 +40,7 @@ class BlockLabeller {
   struct Offer {
     float gain = 0;
     std::uint8_t label = 0;
+    bool fits = false;  ///< hardly a correction is needed on the surface
   };
 
   void load_levels(const FitTables& tables, std::span<const std::uint16_t> depth,
@@ -48,7 +49,8 @@ class BlockLabeller {
   Offer best_offer(const FitTables& tables, const Candidates& candidates,
                    std::span<const Surface> surfaces, std::uint32_t bx,
                    std::uint32_t by) const noexcept;
-  void choose(const RegionMap& regions, float own_say, std::span<BlockLabel> labels) noexcept;
+  void choose(const RegionMap& regions, float own_say, float least,
+              std::span<BlockLabel> labels) noexcept;
 
   std::span<Offer> offers_;  ///< of each block
   std::span<float> levels_;  ///< of the sampled rows of a row of blocks, with borders of holes

@@ -15,6 +15,9 @@ inline constexpr int kMaxUnary = 12;
 inline constexpr int kMaskContexts = 256;
 inline constexpr int kLabelBits = 6;
 inline constexpr int kJumpBits = 5;
+/// Steps of a flat block's plane have at most kPlaneLengths - 1 bits.
+inline constexpr int kPlaneLengths = 13;
+inline constexpr int kPlaneContexts = 6;
 
 struct TileModels {
   BitModel block_any[9];   ///< the block has a reading; by left and above block
@@ -33,6 +36,10 @@ struct TileModels {
   BitModel magnitude[kMagnitudeContexts][kMaxUnary];
   BitModel jump_length[1 << kJumpBits];
   BitModel jump_top[17];
+  BitModel block_flat[18];  ///< a flat block; by left, above, labelled
+  BitModel plane_length[3][kPlaneContexts][kPlaneLengths];  ///< bits of offset, dx, dy, in unary
+  BitModel plane_sign[3];
+  BitModel plane_top[3][kPlaneLengths];  ///< second highest bit, by length
 };
 
 /// The models as one array, in the order of their declaration.

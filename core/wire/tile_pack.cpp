@@ -4,23 +4,12 @@
 #include <bit>
 #include <cstdlib>
 
+#include "core/wire/flat_fit.hpp"
+#include "core/wire/tile_pack_job.hpp"
 #include "core/wire/tile_write.hpp"
 
 namespace planecast {
 namespace {
-
-// Tile-local numbers of the frame's surfaces that the tile uses, in order of first use.
-struct LocalSurfaces {
-  std::uint8_t local_of[kMaxSurfaces + 1] = {};
-  std::uint8_t frame_of[kMaxSurfaces + 1] = {};
-  int count = 0;
-
-  void use(std::uint8_t label) noexcept {
-    if (label == 0 || local_of[label] != 0) return;
-    local_of[label] = static_cast<std::uint8_t>(++count);
-    frame_of[count] = label;
-  }
-};
 
 std::uint16_t first_reading(const FrameModel& frame, const TileSpan& span,
                             std::uint32_t width) noexcept {
@@ -35,41 +24,14 @@ std::uint16_t first_reading(const FrameModel& frame, const TileSpan& span,
 
 }  // namespace
 
-// One call of pack(): the tile's place and what is derived from it.
-struct TilePacker::Job {
-  const CodingTables& tables;
-  const FrameModel& frame;
-  TileRect rect;
-  TileSpan span;
-  bool surfaces_kind = false;
-  std::int32_t last_level = 1;
-  std::int32_t fallback = 1;  ///< level of the pixel coded last
-  LocalSurfaces local = {};
-  std::uint32_t points = 0, corrections = 0;
-
-  std::uint32_t width() const noexcept { return tables.config->camera.width; }
-  const Surface& surface(std::uint8_t local_label) const noexcept {
-    return frame.surfaces[local.frame_of[local_label] - 1U];
-  }
-};
-
-// Eight pixels of one row, within one block.
-struct TilePacker::Segment {
-  BlockState& block;
-  PixelPlace place;  ///< of the current pixel
-  std::uint8_t ray_class;
-  std::uint32_t x0, x1;      ///< columns within the tile
-  std::uint32_t v;           ///< row of the image
-  const std::uint16_t* row;  ///< counts of the tile's row
-  Token* tokens;             ///< of the tile's row
-};
-
 void TilePacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   const std::uint32_t blocks = std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks);
   rows_ = arena.take<PixelRow>(3);
   tokens_ = arena.take<Token>(std::size_t{blocks} * 64);
   jumps_ = arena.take<Jump>(std::size_t{blocks} * 64);
   blocks_ = arena.take<BlockState>(2 * std::size_t{blocks});
+  planes_ = arena.take<BlockPlane>(2 * std::size_t{blocks});
+  flats_ = arena.take<FlatChoice>(blocks);
   surfaces_ = arena.take<BlockSurface>(blocks);
 }
 
@@ -113,6 +75,7 @@ void TilePacker::code_head(Job& job, RangeEncoder& coder) noexcept {
   }
   const std::uint16_t first = first_reading(job.frame, job.span, job.width());
   job.fallback = std::max<std::int32_t>(1, job.tables.levels->nearest(first));
+  job.last_middle = job.fallback * 256;
   coder.raw(first, 16);
   coder.raw(static_cast<std::uint32_t>(job.local.count), kLabelBits);
   if (job.local.count == 0) return;
@@ -153,7 +116,38 @@ void TilePacker::open_block_row(Job& job, std::uint32_t row) noexcept {
                                    *job.tables.levels, bx, by);
     }
     job.points += readings;
+    if (may_be_flat(job.tables, block)) try_flat(job, row, i);
   }
+}
+
+// Makes block i flat when one plane holds all its readings.
+void TilePacker::try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept {
+  const std::uint32_t bw = job.rect.bw;
+  BlockState* blocks = blocks_.data() + (row & 1U) * bw;
+  const BlockState* above = row > 0 ? blocks_.data() + ((row + 1) & 1U) * bw : nullptr;
+  BlockPlane* planes = planes_.data() + (row & 1U) * bw;
+  const BlockPlane* planes_above = planes_.data() + ((row + 1) & 1U) * bw;
+  const PlaneHints hints = plane_hints(blocks, above, planes, planes_above, i, bw, &surfaces_[i],
+                                       TileRows(rows_, row * 8).above, job.last_middle);
+  const BoundTable& bounds = *job.tables.bounds;
+  const std::uint32_t bx = job.rect.bx + i, by = job.rect.by + row;
+  const std::uint8_t ray_class = bounds.ray_class(bx, by);
+  const std::uint8_t* half_widths = bounds.half_widths(ray_class);
+  const BlockPlane foretold = foretell_plane(hints, half_widths, job.last_level);
+  const PlaneSteps steps(half_widths[(foretold.middle + 128) >> 8]);
+  FlatWindow window;
+  load_window(job.tables, &job.frame.depth[std::size_t{by} * 8 * job.width() + bx * 8], job.width(),
+              std::min(8U, job.span.u1 - bx * 8), std::min(8U, job.span.v1 - by * 8), ray_class,
+              window);
+  FlatChoice& flat = flats_[i];
+  if (!fit_flat(window, foretold, steps, job.last_level, flat.code)) return;
+  flat.contexts = PlaneContexts(hints);
+  planes[i] = BlockPlane::clamped(foretold.middle + flat.code.offset * steps.offset,
+                                  foretold.dx + flat.code.dx * steps.slope,
+                                  foretold.dy + flat.code.dy * steps.slope, job.last_level);
+  surfaces_[i] = planes[i].surface();
+  job.last_middle = planes[i].middle;
+  blocks[i].flat = 1;
 }
 
 void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
@@ -168,12 +162,40 @@ void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
       rows.here.clear(x0, x1);
       continue;
     }
+    if (blocks[i].flat != 0) {
+      quantise_flat(job, rows, x0, x1, tile_v, row, tokens);
+      continue;
+    }
     const BoundTable& bounds = *job.tables.bounds;
     const std::uint8_t ray_class = bounds.ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
     Segment segment{blocks[i], {}, ray_class, x0, x1, v, row, tokens};
     segment.place = PixelPlace(bounds.half_widths(ray_class), job.last_level);
     if (blocks[i].label.first != 0) segment.place.lie_on(surfaces_[i], tile_v % 8);
     quantise_segment(job, rows, segment);
+  }
+}
+
+void TilePacker::quantise_flat(Job& job, const TileRows rows, std::uint32_t x0, std::uint32_t x1,
+                               std::uint32_t tile_v, const std::uint16_t* depths,
+                               Token* tokens) noexcept {
+  const std::size_t at = x0 + PixelRow::kBorder;
+  keep_flat(rows.here, at, surfaces_[x0 / 8], tile_v % 8, x1 - x0, job.last_level);
+  const BlockState& block = blocks_[((tile_v / 8) & 1U) * job.rect.bw + x0 / 8];
+  if (block.full != 0) {
+    job.fallback = rows.here.level[at + (x1 - x0) - 1];
+    return;
+  }
+  for (std::uint32_t x = x0; x < x1; ++x) {
+    const Neighbourhood around = rows.around(x);
+    Token token;
+    token.mask_context = mask_context(around);
+    if (depths[x] != 0) {
+      token.kind = PixelKind::kFlat;
+      job.fallback = rows.here.level[around.at];
+    } else {
+      rows.here.set_hole(around.at);
+    }
+    tokens[x] = token;
   }
 }
 
@@ -273,105 +295,6 @@ std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::
   const bool near_own = within(own);
   jumps_[jumps_in_++] = {near_own ? std::abs(own - p.level) : 0, depth};
   return own;
-}
-
-void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
-                            const BlockNeighbours& n) noexcept {
-  coder.bit(models_.block_any[pair_context(n.left, n.above, &BlockState::any)], block.any != 0);
-  if (block.any == 0) return;
-  coder.bit(models_.block_full[pair_context(n.left, n.above, &BlockState::full)], block.full != 0);
-  if (job.local.count > 0) {
-    const int context = label_context(n);
-    const std::uint8_t left = n.left != nullptr ? n.left->label.first : std::uint8_t{0};
-    const std::uint8_t above = n.above != nullptr ? n.above->label.first : std::uint8_t{0};
-    coder.bit(models_.label_as_left[context], block.label.first == left);
-    if (block.label.first != left) {
-      if (above != left) coder.bit(models_.label_as_above[context], block.label.first == above);
-      if (above == left || block.label.first != above) {
-        code_tree(coder, models_.label_index, kLabelBits, block.label.first);
-      }
-    }
-    if (job.surfaces_kind && block.label.first != 0) {
-      coder.bit(models_.block_second[0], block.label.second != 0);
-      if (block.label.second != 0)
-        code_tree(coder, models_.label_index, kLabelBits, block.label.second);
-      coder.bit(models_.block_uniform[block.label.second != 0 ? 1 : 0], block.uniform != 0);
-    }
-  }
-  if (block.uniform == 0 || !job.surfaces_kind || block.label.first == 0) {
-    const int labelled = block.label.first != 0 ? 9 : 0;
-    coder.bit(
-        models_.block_corrected[labelled + pair_context(n.left, n.above, &BlockState::corrected)],
-        block.corrected != 0);
-  }
-}
-
-[[gnu::always_inline]] inline void TilePacker::code_correction(RangeEncoder& coder,
-                                                               const Token& token) noexcept {
-  coder.bit(models_.sign[token.sign_context], token.correction > 0);
-  const int more = std::abs(int{token.correction}) - 1;
-  BitModel* unary = models_.magnitude[token.magnitude_context];
-  for (int i = 0; i < kMaxUnary; ++i) {
-    coder.bit(unary[i], more > i);
-    if (more <= i) return;
-  }
-  const Jump jump = jumps_[jumps_out_++];
-  const auto distance = static_cast<std::uint32_t>(jump.levels);
-  const int length = static_cast<int>(std::bit_width(distance));
-  code_tree(coder, models_.jump_length, kJumpBits, static_cast<std::uint32_t>(length));
-  if (length == 0) {
-    coder.raw(jump.raw_depth, 16);
-  } else if (length > 1) {
-    coder.bit(models_.jump_top[length], ((distance >> (length - 2)) & 1U) != 0);
-    if (length > 2) coder.raw(distance & ((1U << (length - 2)) - 1U), length - 2);
-  }
-}
-
-[[gnu::always_inline]] inline void TilePacker::code_pixel(const Job& job, RangeEncoder& coder,
-                                                          const BlockState& block,
-                                                          const Token& token) noexcept {
-  const bool reading = token.kind != PixelKind::kHole;
-  if (block.full == 0) coder.bit(models_.mask[token.mask_context], reading);
-  if (!reading) return;
-  if (job.surfaces_kind && block.label.first != 0 && block.uniform == 0) {
-    const bool first = token.kind == PixelKind::kFirstSurface;
-    coder.bit(models_.on_surface[0][token.choice_context], first);
-    if (!first && block.label.second != 0) {
-      coder.bit(models_.on_surface[1][token.choice_context],
-                token.kind == PixelKind::kSecondSurface);
-    }
-  }
-  if (token.kind != PixelKind::kPredicted || block.corrected == 0) return;
-  coder.bit(models_.correction[token.correction_context], token.correction != 0);
-  if (token.correction != 0) code_correction(coder, token);
-}
-
-void TilePacker::code_block_row(Job& job, RangeEncoder& shared, std::uint32_t row) noexcept {
-  RangeEncoder coder = shared;  // a copy stays in registers
-  const BlockState* blocks = blocks_.data() + (row & 1U) * job.rect.bw;
-  const BlockState* above = row > 0 ? blocks_.data() + ((row + 1) & 1U) * job.rect.bw : nullptr;
-  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
-    code_block(job, coder, blocks[i],
-               {i > 0 ? &blocks[i - 1] : nullptr, above != nullptr ? &above[i] : nullptr,
-                i > 0 && above != nullptr ? &above[i - 1] : nullptr});
-  }
-  const std::uint32_t begin = job.span.v0 + row * 8;
-  const std::uint32_t rows = std::min(begin + 8, job.span.v1) - begin;
-  const std::uint32_t columns = job.span.u1 - job.span.u0;
-  for (std::uint32_t y = 0; y < rows; ++y) {
-    const Token* tokens = tokens_.data() + std::size_t{y} * job.rect.bw * 8;
-    for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
-      const BlockState& block = blocks[i];
-      // Nothing to say of most pixels.
-      const bool mixed = job.surfaces_kind && block.label.first != 0 && block.uniform == 0;
-      if (block.any == 0 || (block.full != 0 && block.corrected == 0 && !mixed)) continue;
-      for (std::uint32_t x = i * 8; x < std::min(i * 8 + 8, columns); ++x) {
-        code_pixel(job, coder, block, tokens[x]);
-      }
-    }
-  }
-  jumps_in_ = jumps_out_ = 0;
-  shared = coder;
 }
 
 Status TilePacker::store(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,

@@ -7,6 +7,7 @@
 
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
+#include "core/wire/flat_fit.hpp"
 #include "core/wire/range_encoder.hpp"
 #include "core/wire/tile_syntax.hpp"
 
@@ -35,7 +36,7 @@ class TilePacker {
                std::span<std::uint8_t> out, TileReport& report) noexcept;
 
  private:
-  enum class PixelKind : std::uint8_t { kHole, kPredicted, kFirstSurface, kSecondSurface };
+  enum class PixelKind : std::uint8_t { kHole, kPredicted, kFlat, kFirstSurface, kSecondSurface };
   /// What is to be coded of one pixel.
   struct Token {
     std::uint16_t correction_context = 0;
@@ -51,11 +52,19 @@ class TilePacker {
     std::int32_t levels = 0;  ///< 0: the count itself follows
     std::uint16_t raw_depth = 0;
   };
+  /// How a flat block's plane is coded.
+  struct FlatChoice {
+    FlatCode code;
+    PlaneContexts contexts{PlaneHints{}};
+  };
   struct Job;
   struct Segment;
 
   void code_head(Job& job, RangeEncoder& coder) noexcept;
   void open_block_row(Job& job, std::uint32_t row) noexcept;
+  void try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept;
+  void quantise_flat(Job& job, TileRows rows, std::uint32_t x0, std::uint32_t x1,
+                     std::uint32_t tile_v, const std::uint16_t* depths, Token* tokens) noexcept;
   void quantise_row(Job& job, std::uint32_t v) noexcept;
   void quantise_segment(Job& job, TileRows rows, const Segment& segment) noexcept;
   bool choose_surface(const Job& job, const Segment& segment, std::uint32_t x, std::uint16_t depth,
@@ -64,7 +73,7 @@ class TilePacker {
                        std::uint32_t limit, Token& token) noexcept;
   void code_block_row(Job& job, RangeEncoder& shared, std::uint32_t row) noexcept;
   void code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
-                  const BlockNeighbours& n) noexcept;
+                  const BlockNeighbours& n, const FlatChoice& flat) noexcept;
   void code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const Token& token) noexcept;
   void code_correction(RangeEncoder& coder, const Token& token) noexcept;
@@ -74,6 +83,8 @@ class TilePacker {
   std::span<Jump> jumps_;     ///< of a block row
   std::uint32_t jumps_in_ = 0, jumps_out_ = 0;
   std::span<BlockState> blocks_;      ///< two block rows
+  std::span<BlockPlane> planes_;      ///< of flat blocks, beside blocks_
+  std::span<FlatChoice> flats_;       ///< of a block row
   std::span<BlockSurface> surfaces_;  ///< one for each block of a block row
   TileModels models_;
 };

@@ -10,6 +10,7 @@
 
 #include "core/model/frame_model.hpp"
 #include "core/model/stream_config.hpp"
+#include "core/predict/block_plane.hpp"
 #include "core/predict/block_surface.hpp"
 #include "core/predict/bound_table.hpp"
 #include "core/predict/level_table.hpp"
@@ -54,6 +55,7 @@ struct BlockState {
   std::uint8_t full = 0;
   std::uint8_t corrected = 0;
   std::uint8_t uniform = 0;
+  std::uint8_t flat = 0;
   BlockLabel label;
 };
 
@@ -77,6 +79,12 @@ inline int label_context(const BlockNeighbours& n) noexcept {
   const int a = n.above != nullptr ? n.above->label.first : 0;
   const int al = n.above_left != nullptr ? n.above_left->label.first : 0;
   return (l == a ? 1 : 0) + (a == al ? 2 : 0);
+}
+
+/// True when a block may be flat: under a bound, and where pixels do not choose a surface.
+inline bool may_be_flat(const CodingTables& tables, const BlockState& block) noexcept {
+  return !tables.bounds->lossless() &&
+         (tables.config->tolerance != ToleranceKind::kSurfaces || block.label.first == 0);
 }
 
 /// Context of a pixel's "is there a reading", from eight causal neighbours.
@@ -115,6 +123,64 @@ struct TileRows {
 /// Makes the first bw blocks of all three rows, and what lies right of them, holes.
 inline void clear_rows(std::span<PixelRow> rows, std::uint32_t bw) noexcept {
   for (PixelRow& row : rows) row.clear(0, bw * 8 + PixelRow::kBorder);
+}
+
+/// Mean level, times 256, of the eight pixels above block `i` of a block row; 0 unless all are
+/// there. `row` is the tile's row above that block row.
+inline std::int32_t mean_above(const PixelRow& row, std::uint32_t i) noexcept {
+  const std::uint16_t* level = row.level + PixelRow::kBorder + std::size_t{i} * 8;
+  std::int32_t sum = 0;
+  bool all = true;
+  for (int x = 0; x < 8; ++x) {
+    sum += level[x];
+    all &= level[x] != 0;
+  }
+  return all ? sum * 32 : 0;
+}
+
+/// What is known of a flat block's plane before it is coded. `blocks` and `planes` of this block
+/// row and of the one above (null in the tile's first).
+inline PlaneHints plane_hints(const BlockState* blocks, const BlockState* above,
+                              const BlockPlane* planes, const BlockPlane* planes_above,
+                              std::uint32_t i, std::uint32_t bw, const BlockSurface* surface,
+                              const PixelRow& row_above, std::int32_t fallback) noexcept {
+  PlaneHints h;
+  if (i > 0 && blocks[i - 1].flat != 0) h.left = &planes[i - 1];
+  if (above != nullptr) {
+    if (above[i].flat != 0) h.above = &planes_above[i];
+    if (i > 0 && above[i - 1].flat != 0) h.above_left = &planes_above[i - 1];
+    if (i + 1 < bw && above[i + 1].flat != 0) h.above_right = &planes_above[i + 1];
+  }
+  h.surface = blocks[i].label.first != 0 ? surface : nullptr;
+  h.row_above = mean_above(row_above, i);
+  h.fallback = fallback;
+  return h;
+}
+
+/// Contexts of a plane's offset, dx and dy, each by what was coded before it.
+struct PlaneContexts {
+  int offset, labelled;
+  explicit PlaneContexts(const PlaneHints& h) noexcept
+      : offset(plane_context(h)), labelled(h.surface != nullptr ? 3 : 0) {}
+  int dx(std::int32_t offset_steps) const noexcept {
+    return labelled + (offset_steps != 0 ? 1 : 0);
+  }
+  int dy(std::int32_t dx_steps) const noexcept { return labelled + (dx_steps != 0 ? 1 : 0); }
+};
+
+/// Context of "is the block flat".
+inline int flat_context(const BlockNeighbours& n, const BlockState& block) noexcept {
+  return (block.label.first != 0 ? 9 : 0) + pair_context(n.left, n.above, &BlockState::flat);
+}
+
+/// Levels of row y of a flat block, at the eight pixels from `at` on of `row`; nothing was missed.
+inline void keep_flat(PixelRow& row, std::size_t at, const BlockSurface& plane, std::uint32_t y,
+                      std::uint32_t columns, std::int32_t last_level) noexcept {
+  std::int32_t q = plane.at(0, y) + 128;
+  for (std::uint32_t x = 0; x < columns; ++x, q += plane.dx) {
+    row.level[at + x] = static_cast<std::uint16_t>(std::clamp(q >> 8, 1, last_level));
+  }
+  std::fill_n(row.past + at, columns, PixelPast{});
 }
 
 /// Context of which surface a pixel is on, in surfaces kind.

@@ -2,43 +2,9 @@
 
 #include <algorithm>
 
+#include "core/wire/tile_read.hpp"
+
 namespace planecast {
-namespace {
-
-Status read_coefficient(RangeDecoder& coder, int shift, std::int32_t& value) noexcept {
-  const auto length = static_cast<int>(coder.raw(5));
-  value = 0;
-  if (length == 0) return Status::kOk;
-  if (length + shift > 30) return Status::kFieldRange;
-  const bool negative = coder.raw(1) != 0;
-  std::uint32_t magnitude = length > 16 ? coder.raw(length - 16) : 0;
-  const int low = std::min(length, 16);
-  magnitude = (magnitude << low) | coder.raw(low);
-  value = static_cast<std::int32_t>(magnitude << shift);
-  if (negative) value = -value;
-  return Status::kOk;
-}
-
-Status read_surface(RangeDecoder& coder, int shift, Surface& out) noexcept {
-  const int degree = coder.raw(1) != 0 ? 2 : 1;
-  out = {};
-  constexpr std::int32_t Surface::*kCoefficients[] = {&Surface::a, &Surface::b, &Surface::c,
-                                                      &Surface::d, &Surface::e, &Surface::f};
-  for (int i = 0; i < 3 * degree; ++i) {
-    const Status status = read_coefficient(coder, shift, out.*kCoefficients[i]);
-    if (status != Status::kOk) return status;
-  }
-  return Status::kOk;
-}
-
-std::uint32_t read_tree(RangeDecoder& coder, BitModel* models, int bits) noexcept {
-  std::uint32_t node = 1;
-  for (int i = 0; i < bits; ++i) node = node * 2 + (coder.bit(models[node]) ? 1 : 0);
-  return node - (1U << bits);
-}
-
-}  // namespace
-
 // One call of unpack(): the tile's place and what is derived from it.
 struct TileUnpacker::Job {
   const CodingTables& tables;
@@ -48,6 +14,7 @@ struct TileUnpacker::Job {
   bool surfaces_kind = false;
   std::int32_t last_level = 1;
   std::int32_t fallback = 1;
+  std::int32_t last_middle = 256;  ///< of the flat block coded last
   Surface surfaces[kMaxSurfaces + 1] = {};
 
   const TileRect& rect() const noexcept { return content.rect; }
@@ -68,6 +35,7 @@ void TileUnpacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   const std::uint32_t blocks = std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks);
   rows_ = arena.take<PixelRow>(3);
   blocks_ = arena.take<BlockState>(2 * std::size_t{blocks});
+  planes_ = arena.take<BlockPlane>(2 * std::size_t{blocks});
   surfaces_ = arena.take<BlockSurface>(blocks);
 }
 
@@ -125,6 +93,7 @@ Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
   if (content.verbatim) return Status::kOk;
   const auto first = static_cast<std::uint16_t>(coder.raw(16));
   job.fallback = std::max<std::int32_t>(1, job.tables.levels->nearest(first));
+  job.last_middle = job.fallback * 256;
   content.surfaces = coder.raw(kLabelBits);
   if (content.surfaces == 0) return Status::kOk;
   const auto shift = static_cast<int>(coder.raw(5));
@@ -151,6 +120,9 @@ Status TileUnpacker::read_verbatim(Job& job, RangeDecoder& coder) noexcept {
 Status TileUnpacker::read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept {
   BlockState* blocks = blocks_.data() + (row & 1U) * job.rect().bw;
   const BlockState* above = row > 0 ? blocks_.data() + ((row + 1) & 1U) * job.rect().bw : nullptr;
+  BlockPlane* planes = planes_.data() + (row & 1U) * job.rect().bw;
+  const BlockPlane* planes_above = planes_.data() + ((row + 1) & 1U) * job.rect().bw;
+  const PixelRow& row_above = TileRows(rows_, row * 8).above;
   for (std::uint32_t i = 0; i < job.rect().bw; ++i) {
     const Status status =
         read_block(job, coder, blocks[i],
@@ -161,6 +133,16 @@ Status TileUnpacker::read_block_row(Job& job, RangeDecoder& coder, std::uint32_t
       surfaces_[i] = block_surface(job.surfaces[blocks[i].label.first], *job.tables.rays,
                                    *job.tables.levels, job.rect().bx + i, job.rect().by + row);
     }
+    if (blocks[i].flat == 0) continue;
+    const BoundTable& bounds = *job.tables.bounds;
+    const PlaneHints hints = plane_hints(blocks, above, planes, planes_above, i, job.rect().bw,
+                                         &surfaces_[i], row_above, job.last_middle);
+    planes[i] =
+        read_plane(coder, models_, hints,
+                   bounds.half_widths(bounds.ray_class(job.rect().bx + i, job.rect().by + row)),
+                   job.last_level);
+    job.last_middle = planes[i].middle;
+    surfaces_[i] = planes[i].surface();
   }
   return Status::kOk;
 }
@@ -198,6 +180,10 @@ Status TileUnpacker::read_block(Job& job, RangeDecoder& coder, BlockState& block
       return Status::kBadSymbol;
     }
   }
+  if (may_be_flat(job.tables, block)) {
+    block.flat = coder.bit(models_.block_flat[flat_context(n, block)]);
+    if (block.flat != 0) return Status::kOk;
+  }
   if (block.uniform == 0 || !job.surfaces_kind || block.label.first == 0) {
     const int labelled = block.label.first != 0 ? 9 : 0;
     block.corrected = coder.bit(
@@ -220,6 +206,10 @@ Status TileUnpacker::read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_
       if (labels != nullptr) std::fill(labels + x0, labels + x1, std::uint8_t{0});
       continue;
     }
+    if (blocks[i].flat != 0) {
+      read_flat(job, coder, rows, {blocks[i], {}, x0, x1, tile_v, depth, labels}, surfaces_[i]);
+      continue;
+    }
     const BoundTable& bounds = *job.tables.bounds;
     const std::uint8_t ray_class = bounds.ray_class(job.rect().bx + i, job.rect().by + tile_v / 8);
     Segment segment{blocks[i], {}, x0, x1, job.span.v0 + tile_v, depth, labels};
@@ -228,6 +218,31 @@ Status TileUnpacker::read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_
     if (!read_segment(job, coder, rows, segment)) return Status::kBadSymbol;
   }
   return Status::kOk;
+}
+
+// A row of a flat block: only holes are coded.
+void TileUnpacker::read_flat(Job& job, RangeDecoder& coder, const TileRows rows,
+                             const Segment& segment, const BlockSurface& plane) noexcept {
+  const std::size_t at = segment.x0 + PixelRow::kBorder;
+  const std::uint32_t columns = segment.x1 - segment.x0;
+  const LevelTable& levels = *job.tables.levels;
+  keep_flat(rows.here, at, plane, segment.v % 8, columns, job.last_level);
+  if (segment.block.full == 0) {
+    for (std::uint32_t x = segment.x0; x < segment.x1; ++x) {
+      const Neighbourhood around = rows.around(x);
+      if (!coder.bit(models_.mask[mask_context(around)])) rows.here.set_hole(around.at);
+    }
+  }
+  const std::uint16_t* level = rows.here.level + at;
+  for (std::uint32_t x = 0; x < columns; ++x) {
+    segment.depth[segment.x0 + x] = levels.depth(level[x]);
+    if (level[x] == 0) continue;
+    job.fallback = level[x];
+    ++job.content.points;
+  }
+  if (segment.labels == nullptr) return;
+  for (std::uint32_t x = 0; x < columns; ++x)
+    segment.labels[segment.x0 + x] = level[x] != 0 ? segment.block.label.first : std::uint8_t{0};
 }
 
 // True when the pixel is on one of its block's surfaces; says which.

@@ -56,6 +56,8 @@ class TileUnpacker {
   Status read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept;
   Status read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_v) noexcept;
   bool read_segment(Job& job, RangeDecoder& shared, TileRows rows, const Segment& segment) noexcept;
+  void read_flat(Job& job, RangeDecoder& coder, TileRows rows, const Segment& segment,
+                 const BlockSurface& plane) noexcept;
   bool read_choice(RangeDecoder& coder, const Neighbourhood& around, const BlockState& block,
                    std::uint8_t& choice) noexcept;
   std::int32_t read_correction(const LevelTable& levels, RangeDecoder& coder,
@@ -64,6 +66,7 @@ class TileUnpacker {
 
   std::span<PixelRow> rows_;
   std::span<BlockState> blocks_;
+  std::span<BlockPlane> planes_;
   std::span<BlockSurface> surfaces_;
   TileModels models_;
 };

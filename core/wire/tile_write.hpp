@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "core/wire/flat_fit.hpp"
 #include "core/wire/range_encoder.hpp"
 #include "core/wire/tile_syntax.hpp"
 
@@ -43,6 +44,29 @@ inline void code_tree(RangeEncoder& coder, BitModel* models, int bits,
     coder.bit(models[node], bit);
     node = node * 2 + (bit ? 1 : 0);
   }
+}
+
+inline void code_plane_steps(RangeEncoder& coder, TileModels& models, int kind, int context,
+                             std::int32_t steps) noexcept {
+  BitModel* unary = models.plane_length[kind][context];
+  const auto magnitude = static_cast<std::uint32_t>(std::abs(steps));
+  const int length = static_cast<int>(std::bit_width(magnitude));
+  for (int i = 0; i < kPlaneLengths - 1; ++i) {
+    coder.bit(unary[i], length > i);
+    if (length <= i) break;
+  }
+  if (length == 0) return;
+  coder.bit(models.plane_sign[kind], steps < 0);
+  if (length > 1)
+    coder.bit(models.plane_top[kind][length], ((magnitude >> (length - 2)) & 1U) != 0);
+  if (length > 2) coder.raw(magnitude & ((1U << (length - 2)) - 1U), length - 2);
+}
+
+inline void code_plane(RangeEncoder& coder, TileModels& models, const PlaneContexts& contexts,
+                       const FlatCode& code) noexcept {
+  code_plane_steps(coder, models, 0, contexts.offset, code.offset);
+  code_plane_steps(coder, models, 1, contexts.dx(code.offset), code.dx);
+  code_plane_steps(coder, models, 2, contexts.dy(code.dx), code.dy);
 }
 
 inline void code_rect(RangeEncoder& coder, const CameraModel& camera,

@@ -90,6 +90,10 @@ void print_start_models(bool lossless) {
   print("magnitude", m.magnitude);
   print("jump_length", m.jump_length);
   print("jump_top", m.jump_top);
+  print("block_flat", m.block_flat);
+  print("plane_length", m.plane_length);
+  print("plane_sign", m.plane_sign);
+  print("plane_top", m.plane_top);
 }
 
 void print_tables() {

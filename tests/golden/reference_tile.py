@@ -1,11 +1,13 @@
 """Sections 7 and 8 of docs/wire-format.md: tiles of depth streams."""
 from reference_coder import bad_unless, head, pixels_of
+from reference_flat import FlatBlock
 from reference_tables import quot
 
 
 # 7
 class Block:
-    any = full = corrected = first = second = 0
+    any = full = flat = corrected = first = second = 0
+    plane = surface = None
     uniform = 1
 
 
@@ -55,6 +57,7 @@ class DepthTile:
         self.surfaces = [None] + [tuple(coefficient(c, shift) for _ in range(6 if c.raw(1) else 3))
                                   for _ in range(self.n)]
         self.blocks, self.pixels = {}, {}
+        self.last_middle = 256 * self.fallback
         for y in range(by, by + bh):
             for x in range(bx, bx + bw):
                 self.block(x, y)
@@ -92,10 +95,16 @@ class DepthTile:
                     b.second = c.tree(m.label_index, 6)
                 b.uniform = c.bit(m.block_uniform[int(b.second != 0)])
             bad_unless(b.first <= self.n and b.second <= self.n)
+        if b.first:
+            b.surface = self.surface_in_block(self.surfaces[b.first], x, y)
+        if not self.lossless and (not self.surfaces_kind or not b.first):
+            b.flat = c.bit(m.block_flat[9 * (b.first != 0) + pair("flat")])
+            if b.flat:
+                b.plane = FlatBlock(self, x, y).read()
+                self.last_middle = b.plane[0]
+                return
         if not self.surfaces_kind or not b.first or not b.uniform:
             b.corrected = c.bit(m.block_corrected[9 * (b.first != 0) + pair("corrected")])
-        if b.first:
-            b.plane = self.plane(self.surfaces[b.first], x, y)
 
     def inverse_depth(self, surface, u, v):
         x, y = self.s.rays[v * self.s.width + u]
@@ -107,7 +116,7 @@ class DepthTile:
         return plane + (sum(k * p for k, p in zip(surface[3:], products)) >> 22)
 
     # 8
-    def plane(self, surface, bx, by):
+    def surface_in_block(self, surface, bx, by):
         u0, v0 = bx * 8, by * 8
         u1, v1 = min(u0 + 7, self.s.width - 1), min(v0 + 7, self.s.height - 1)
         um, vm = (u0 + u1) >> 1, (v0 + v1) >> 1
@@ -135,10 +144,18 @@ class DepthTile:
                 return
         p = Pixel()
         self.pixels[u, v] = p
-        count = self.on_surface(b, p, u, v, (l.choice * 3 + up.choice) * 3 + ul.choice)
+        count = self.on_plane(b, p, u, v) or self.on_surface(b, p, u, v, (l.choice * 3 + up.choice) * 3 + ul.choice)
         if not count:
             count = self.predicted(b, p, u, v, (l, up, ur, ul, ll, uu))
         self.depth[v * self.s.width + u] = count
+
+    def on_plane(self, b, p, u, v):
+        if not b.flat:
+            return 0
+        m, dx, dy = b.plane
+        q = m - ((7 * (dx + dy)) >> 1) + dx * (u % 8) + dy * (v % 8)
+        p.level = self.fallback = min(max((q + 128) >> 8, 1), self.s.levels.last)
+        return self.s.levels.depth[p.level]
 
     def on_surface(self, b, p, u, v, ctx):
         if not self.surfaces_kind or not b.first:
@@ -168,7 +185,7 @@ class DepthTile:
             near = next((n.level for n in around if n.level), self.fallback)
         surface, side = near, 0
         if b.first:
-            origin, dx, dy = b.plane
+            origin, dx, dy = b.surface
             q = origin + dx * u + dy * v
             q4 = origin + dx * (u // 8 * 8 + 4) + dy * (v // 8 * 8 + 4)
             reach = halves[min(max((q4 + 128) >> 8, 1), last)]

@@ -1,0 +1,54 @@
+// What the two halves of TilePacker share: quantising (tile_pack.cpp) and coding
+// (tile_pack_code.cpp). Encoder half, seen by these two files only.
+#pragma once
+
+#include <cstdint>
+
+#include "core/wire/tile_pack.hpp"
+
+namespace planecast {
+
+// Tile-local numbers of the frame's surfaces that the tile uses, in order of first use.
+struct LocalSurfaces {
+  std::uint8_t local_of[kMaxSurfaces + 1] = {};
+  std::uint8_t frame_of[kMaxSurfaces + 1] = {};
+  int count = 0;
+
+  void use(std::uint8_t label) noexcept {
+    if (label == 0 || local_of[label] != 0) return;
+    local_of[label] = static_cast<std::uint8_t>(++count);
+    frame_of[count] = label;
+  }
+};
+
+// One call of pack(): the tile's place and what is derived from it.
+struct TilePacker::Job {
+  const CodingTables& tables;
+  const FrameModel& frame;
+  TileRect rect;
+  TileSpan span;
+  bool surfaces_kind = false;
+  std::int32_t last_level = 1;
+  std::int32_t fallback = 1;       ///< level of the pixel coded last
+  std::int32_t last_middle = 256;  ///< of the flat block coded last
+  LocalSurfaces local = {};
+  std::uint32_t points = 0, corrections = 0;
+
+  std::uint32_t width() const noexcept { return tables.config->camera.width; }
+  const Surface& surface(std::uint8_t local_label) const noexcept {
+    return frame.surfaces[local.frame_of[local_label] - 1U];
+  }
+};
+
+// Eight pixels of one row, within one block.
+struct TilePacker::Segment {
+  BlockState& block;
+  PixelPlace place;  ///< of the current pixel
+  std::uint8_t ray_class;
+  std::uint32_t x0, x1;      ///< columns within the tile
+  std::uint32_t v;           ///< row of the image
+  const std::uint16_t* row;  ///< counts of the tile's row
+  Token* tokens;             ///< of the tile's row
+};
+
+}  // namespace planecast
