@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint32_t kBorder = 4;
 // Bits: a label that is the left block's, the one above's, or another's; what a surface costs.
 constexpr float kAsLeftBits = 0.1F, kAsAboveBits = 2.5F, kOtherBits = 7.0F;
-constexpr float kSurfaceBitsLossless = 200.0F, kSurfaceBitsBounded = 400.0F;
+constexpr float kSurfaceBitsLossless = 200.0F, kSurfaceBitsBounded = 1500.0F;
 // A block within the bound of a surface is flat without it, too, at little more.
 constexpr float kFitsBits = 16.0F, kFlatSaves = 0.6F;
 // Bits of n corrections of mean magnitude m: n log2(1 + kSpread m), near enough for comparing.

@@ -219,8 +219,8 @@ TEST_F(CommandLine, MethodPaperImpliesThePapersModeUnlessToldOtherwise) {
   EXPECT_EQ(told.options.off_surface, OffSurface::kKeep);
   EXPECT_EQ(told.options.outliers, Outliers::kKeep);
   Command bound;
-  ASSERT_FALSE(bound.run({"--method", "paper", "--tolerance", "10mm"})) << bound.talk;
-  EXPECT_EQ(bound.options.off_surface, OffSurface::kKeep);
+  EXPECT_EQ(bound.run({"--method", "paper", "--tolerance", "10mm"}), ExitCode::kUsage);
+  EXPECT_TRUE(bound.says("surfaces[:K]")) << bound.talk;
 }
 
 TEST_F(CommandLine, OptionsThatWouldDoNothingAreRefused) {

@@ -187,7 +187,7 @@ TEST_F(Info, ShowsKeyPacketSlicesAndSurfaces) {
   const auto& slice = info["frames"][0]["slices"][0];
   EXPECT_EQ(slice["key_hash"], key["hash"]);
   EXPECT_GT(slice["points"], 10000);
-  EXPECT_GT(slice["surfaces"].size(), 2);
+  EXPECT_GE(slice["surfaces"].size(), 1);
   EXPECT_EQ(slice["tile_pixels_u0_v0_u1_v1"], nlohmann::json({0, 0, 160, 120}));
   const RunResult text = run("info a.plc");
   EXPECT_NE(text.out.find("noise: stereo:0.003"), std::string::npos) << text.out;
