@@ -80,8 +80,9 @@ int main(int argc, char** argv) {
     config.limits = {static_cast<std::uint16_t>(std::atoi(argv[2])),
                      static_cast<std::uint16_t>(std::atoi(argv[3]))};
   const std::size_t bytes = Decoder::memory_bytes(config);
-  auto* block = static_cast<std::byte*>(std::aligned_alloc(64, (bytes + 63) / 64 * 64));
-  auto* buffer = static_cast<std::uint8_t*>(std::malloc(kMostPacketBytes));
+  // For the program's whole life, as a board's memory is: never given back.
+  static auto* block = static_cast<std::byte*>(std::aligned_alloc(64, (bytes + 63) / 64 * 64));
+  static auto* buffer = static_cast<std::uint8_t*>(std::malloc(kMostPacketBytes));
   if (block == nullptr || buffer == nullptr) return 1;
   const auto decoder = Decoder::create(config, {block, bytes});
   if (!decoder.ok()) return 1;
