@@ -1,7 +1,5 @@
 #include "transport/service_thread.hpp"
 
-#include <signal.h>
-
 #include <cerrno>
 #include <cstring>
 
@@ -28,19 +26,7 @@ Result<Done> ServiceThread::start(const char* name, void (*on_start)(const char*
                                      "' (" + std::strerror(errno) +
                                      "); raise the limits of memory (ulimit -v, ulimit -l)"};
   }
-  pthread_attr_t attributes;
-  pthread_attr_init(&attributes);
-  pthread_attr_setstack(&attributes, stack_.usable().data(), stack_.usable().size());
-  sigset_t blocked;
-  sigset_t before;
-  sigfillset(&blocked);
-  // A fault is delivered to the thread that made it; blocked, it would bypass a crash handler.
-  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS})
-    sigdelset(&blocked, fault);
-  pthread_sigmask(SIG_SETMASK, &blocked, &before);
-  const int error = pthread_create(&thread_, &attributes, &ServiceThread::run, this);
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  pthread_attr_destroy(&attributes);
+  const int error = start_on_stack(stack_, &ServiceThread::run, this, thread_);
   running_ = error == 0;
   if (running_) return Done{};
   unmap_stack(stack_);

@@ -1,5 +1,6 @@
 #include "core/base/thread_stack.hpp"
 
+#include <signal.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -38,6 +39,24 @@ ThreadStack map_stack() noexcept {
 void unmap_stack(ThreadStack& stack) noexcept {
   if (stack.mapping != nullptr) ::munmap(stack.mapping, stack_mapping_bytes());
   stack = {};
+}
+
+int start_on_stack(const ThreadStack& stack, void* (*entry)(void*), void* argument,
+                   pthread_t& thread) noexcept {
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstack(&attributes, stack.usable().data(), stack.usable().size());
+  sigset_t blocked;
+  sigset_t before;
+  sigfillset(&blocked);
+  // A fault is delivered to the thread that made it; blocked, it would bypass a crash handler.
+  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS})
+    sigdelset(&blocked, fault);
+  pthread_sigmask(SIG_SETMASK, &blocked, &before);
+  const int error = pthread_create(&thread, &attributes, entry, argument);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  pthread_attr_destroy(&attributes);
+  return error;
 }
 
 }  // namespace planecast

@@ -2,6 +2,8 @@
 // memory of a process is known to the byte before it starts, and a first frame meets no page fault.
 #pragma once
 
+#include <pthread.h>
+
 #include <cstddef>
 #include <span>
 
@@ -32,5 +34,11 @@ ThreadStack map_stack() noexcept;
 
 /// Gives the mapping back; nothing happens without one.
 void unmap_stack(ThreadStack& stack) noexcept;
+
+/// Runs entry(argument) on `stack`, with all asynchronous signals blocked, so that SIGTERM and
+/// friends reach the threads that expect them. Returns 0, or the errno of pthread_create, the stack
+/// then being as it was. The caller joins the thread before it unmaps the stack.
+int start_on_stack(const ThreadStack& stack, void* (*entry)(void*), void* argument,
+                   pthread_t& thread) noexcept;
 
 }  // namespace planecast

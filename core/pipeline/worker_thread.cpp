@@ -1,7 +1,6 @@
 #include "core/pipeline/worker_thread.hpp"
 
 #include <sched.h>
-#include <signal.h>
 
 #include <array>
 #include <cerrno>
@@ -43,19 +42,7 @@ bool set_core(int index) noexcept {
 int WorkerThread::start(void* (*entry)(void*), void* argument) noexcept {
   stack = map_stack();
   if (stack.mapping == nullptr) return errno;
-  pthread_attr_t attributes;
-  pthread_attr_init(&attributes);
-  pthread_attr_setstack(&attributes, stack.usable().data(), stack.usable().size());
-  sigset_t blocked;
-  sigset_t before;
-  sigfillset(&blocked);
-  // A fault is delivered to the thread that made it; blocked, it would bypass a crash handler.
-  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS})
-    sigdelset(&blocked, fault);
-  pthread_sigmask(SIG_SETMASK, &blocked, &before);
-  const int error = pthread_create(&thread, &attributes, entry, argument);
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  pthread_attr_destroy(&attributes);
+  const int error = start_on_stack(stack, entry, argument, thread);
   running = error == 0;
   if (!running) unmap_stack(stack);
   return error;

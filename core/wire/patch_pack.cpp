@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/wire/encode_io.hpp"
 #include "core/wire/range_encoder.hpp"
 
 namespace planecast {
@@ -10,19 +11,6 @@ namespace {
 
 constexpr std::size_t kCoderEnd = 8;      // bytes that a coder holds back
 constexpr std::size_t kMostWaiting = 64;  // a cut halves a side: twice 12, and one each
-
-struct EncodeIo {
-  static constexpr bool kReads = false;
-  RangeEncoder& coder;
-  bool bit(BitModel& model, bool value) noexcept {
-    coder.bit(model, value);
-    return value;
-  }
-  std::uint32_t raw(std::uint32_t value, int bits) noexcept {
-    coder.raw(value, bits);
-    return value;
-  }
-};
 
 std::int32_t round_coefficient(double value) noexcept {
   const double limit = kMaxPatchCoefficient;

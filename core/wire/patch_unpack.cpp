@@ -1,16 +1,8 @@
 #include "core/wire/patch_unpack.hpp"
 
+#include "core/wire/decode_io.hpp"
+
 namespace planecast {
-namespace {
-
-struct DecodeIo {
-  static constexpr bool kReads = true;
-  RangeDecoder& coder;
-  bool bit(BitModel& model, bool /*value*/) noexcept { return coder.bit(model); }
-  std::uint32_t raw(std::uint32_t /*value*/, int bits) noexcept { return coder.raw(bits); }
-};
-
-}  // namespace
 
 void PatchUnpacker::layout(Arena& arena) noexcept {
   cells_ = arena.take<std::uint8_t>(kMaxPatchCells);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/wire/encode_io.hpp"
 #include "core/wire/packet_header.hpp"
 #include "core/wire/point_syntax.hpp"
 #include "core/wire/point_tree.hpp"
@@ -14,24 +15,13 @@ constexpr std::uint32_t kPointBytes = 12;
 constexpr std::uint32_t kHeadBytes = (kPointHeadBits + 7) / 8 + 8;  // and the coder's end
 constexpr std::size_t kMostSlices = 65535;
 
-struct EncodeIo {
-  static constexpr bool kReads = false;
-  RangeEncoder& coder;
+struct CellEncodeIo : EncodeIo {
   std::span<const ZKey> cells;
 
-  std::uint32_t raw(std::uint32_t value, int bits) noexcept {
-    coder.raw(value, bits);
-    return value;
-  }
-  bool bit(BitModel& model, bool value) noexcept {
-    coder.bit(model, value);
-    return value;
-  }
   bool bit_at(std::uint32_t probability, bool value) noexcept {
     coder.bit_at(probability, value);
     return value;
   }
-  bool failed() const noexcept { return coder.overflow(); }
   std::uint32_t octant(std::uint32_t cell, unsigned level) const noexcept {
     return cells[cell].octant(level);
   }
@@ -105,7 +95,7 @@ std::size_t pack_plain(const FrameCells& frame, std::span<const ZKey> cells,
   CellBox box;
   for (const ZKey& cell : cells) box.add(cell);
   RangeEncoder coder(room);
-  EncodeIo io{coder, cells};
+  CellEncodeIo io{{coder}, cells};
   io.raw(static_cast<std::uint32_t>(PointSliceKind::kVerbatim), 2);
   PointHead head = head_at(frame, box.least, points_of(cells));
   auto widths = box.widths();
@@ -260,7 +250,7 @@ bool PointFramePacker::code_tree(const Job& job, std::span<const ZKey> cells,
   if (!cells.empty()) origin = z_cell(cells.front());
   for (std::uint32_t& o : origin) o = depth == 32 ? 0 : o & ~((1U << depth) - 1);
   RangeEncoder coder(room);
-  EncodeIo io{coder, cells};
+  CellEncodeIo io{{coder}, cells};
   io.raw(static_cast<std::uint32_t>(PointSliceKind::kCoded), 2);
   const std::uint32_t points = points_of(cells);
   PointHead head = head_at(cells_, origin, points);
@@ -270,7 +260,7 @@ bool PointFramePacker::code_tree(const Job& job, std::span<const ZKey> cells,
   io.raw(group, 2);
   models_[0] = trained_point_models();
   mixers_ = trained_point_mixers();
-  PointTree<EncodeIo> tree(io, models_[0], mixers_, levels_);
+  PointTree<CellEncodeIo> tree(io, models_[0], mixers_, levels_);
   const auto count = static_cast<std::uint32_t>(cells.size());
   if (tree.code(depth, group, points, count) != Status::kOk) return false;
   bytes = coder.finish();

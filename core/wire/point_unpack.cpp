@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/wire/decode_io.hpp"
 #include "core/wire/packet_header.hpp"
 #include "core/wire/point_syntax.hpp"
 #include "core/wire/point_tree.hpp"
@@ -10,17 +11,12 @@
 namespace planecast {
 namespace {
 
-struct DecodeIo {
-  static constexpr bool kReads = true;
-  RangeDecoder& coder;
+struct CellDecodeIo : DecodeIo {
   const CellAxes& axes;
   std::span<GridPoint> room;
   std::uint32_t used = 0;
 
-  std::uint32_t raw(std::uint32_t, int bits) noexcept { return coder.raw(bits); }
-  bool bit(BitModel& model, bool) noexcept { return coder.bit(model); }
   bool bit_at(std::uint32_t probability, bool) noexcept { return coder.bit_at(probability); }
-  bool failed() const noexcept { return coder.truncated(); }
   std::uint32_t octant(std::uint32_t, unsigned) const noexcept { return 0; }
   std::uint32_t count(std::uint32_t) const noexcept { return 0; }
 
@@ -36,7 +32,7 @@ struct DecodeIo {
   }
 };
 
-Status unpack_plain(DecodeIo& io) noexcept {
+Status unpack_plain(CellDecodeIo& io) noexcept {
   std::array<std::uint32_t, 3> widths{};
   if (const Status status = plain_widths(io, widths); status != Status::kOk) return status;
   for (std::size_t i = 0; i < io.room.size(); ++i) {
@@ -79,7 +75,7 @@ Status PointFrameUnpacker::unpack_slice(const PointCoding& coding, std::uint32_t
   RangeDecoder coder(packet.subspan(kPacketHeaderBytes));
   PointHead head;
   for (CellAxis& axis : head.axes) axis.pitch = pitch_of(cell_half(coding));
-  DecodeIo io{coder, head.axes, target.subspan(used, most - used)};
+  CellDecodeIo io{{coder}, head.axes, target.subspan(used, most - used)};
   const auto kind = static_cast<PointSliceKind>(io.raw(0, 2));
   if (kind != PointSliceKind::kVerbatim && kind != PointSliceKind::kCoded)
     return Status::kFieldRange;

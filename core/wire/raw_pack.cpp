@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/wire/encode_io.hpp"
 #include "core/wire/raw_tile.hpp"
 
 namespace planecast {
@@ -10,20 +11,6 @@ namespace {
 constexpr std::uint32_t kPointBytes = 12;
 constexpr std::uint32_t kHeadBytes = 8;  // verbatim flag and rectangle, and the coder's end
 constexpr std::uint32_t kRaysBits = 10 * 48 + 8;
-
-struct EncodeIo {
-  static constexpr bool kReads = false;
-  RangeEncoder& coder;
-  bool bit(BitModel& model, bool value) noexcept {
-    coder.bit(model, value);
-    return value;
-  }
-  std::uint32_t raw(std::uint32_t value, int bits) noexcept {
-    coder.raw(value, bits);
-    return value;
-  }
-  bool failed() const noexcept { return coder.overflow(); }
-};
 
 std::uint32_t ceil_blocks(std::uint32_t pixels) noexcept {
   return (pixels + 7) / 8;

@@ -2,20 +2,13 @@
 
 #include <algorithm>
 
+#include "core/wire/decode_io.hpp"
 #include "core/wire/packet_header.hpp"
 #include "core/wire/range_decoder.hpp"
 #include "core/wire/raw_tile.hpp"
 
 namespace planecast {
 namespace {
-
-struct DecodeIo {
-  static constexpr bool kReads = true;
-  RangeDecoder& coder;
-  bool bit(BitModel& model, bool /*value*/) noexcept { return coder.bit(model); }
-  std::uint32_t raw(std::uint32_t /*value*/, int bits) noexcept { return coder.raw(bits); }
-  bool failed() const noexcept { return coder.truncated(); }
-};
 
 void clear_tile(const TileSpan& span, std::uint32_t width, std::span<Point3f> target) noexcept {
   for (std::uint32_t v = span.v0; v < span.v1; ++v)

@@ -45,7 +45,7 @@ FENCES = [
     ("a library of the apps", r"(CLI|toml\+\+|fmt|spdlog|nlohmann)/.*", OUTSIDE),
     ("a library of the tests", r"(gtest|gmock|rapidcheck|benchmark|relacy|boost/lockfree|readerwriterqueue)(/.*|\.h)", ("tests/", "bench/")),
     ("threads or atomics", "|".join(re.escape(name) for name in THREADS),
-     ("core/ring/", "core/pipeline/", "transport/") + OUTSIDE),
+     ("core/ring/", "core/pipeline/", "core/base/thread_stack.hpp", "transport/") + OUTSIDE),
     ("sockets", r"sys/socket\.h|sys/un\.h|netinet/.*|arpa/.*|net/.*|netdb\.h",
      ("transport/",) + OUTSIDE),
     ("printing", r"iostream", OUTSIDE),
