@@ -21,7 +21,7 @@ beside ours where it is known.
 
 The chain is the paper's, step by step, by the library's own functions: outlier filter (30 neighbours, mean + 1
 standard deviation), PCA normals and curvature, seeded region growing (3 degrees, the difference of curvature), sample consensus
-(1 cm, planes of 50 points and more), boundary at alpha 0.1 m, as many random points inside. One search for
+(1 cm, planes of 50 points and more), boundary at alpha 0.02 m, as many random points inside. One search for
 30 neighbours serves all steps. Points off the planes are dropped, and counted here.
 
 How to read the columns: ratio is Eq. 10 on 12 bytes a point, and on the bytes of the input file as it lies

@@ -19,7 +19,7 @@ struct ChainOptions {
   CurvatureTest curvature_test = CurvatureTest::kDifference;
   double curvature_limit = 0.05;
   double distance_m = 0.01;  ///< of sample consensus
-  double alpha_m = 0.1;      ///< of the hull
+  double alpha_m = 0.02;     ///< of the hull
   std::uint32_t min_points = 50;
   std::uint64_t seed = 1;
 };

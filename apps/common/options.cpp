@@ -169,7 +169,7 @@ std::vector<Spec> method_specs() {
       {"regenerate", "lattice|random", kMethod,
        "How unorganised points are laid out on a surface. Default: lattice",
        either("lattice", Regenerate::kLattice, "random", Regenerate::kRandom, &O::regenerate)},
-      {"alpha", "M", kMethod, "Largest gap that an outline spans [m]. Default: 0.1",
+      {"alpha", "M", kMethod, "Largest gap that an outline spans [m]. Default: 0.02",
        into(alpha_of, &O::alpha_m)},
       {"smoothness", "DEGREES", kMethod, "Largest angle between normals in one region. Default: 3",
        number(0.01, 90.0, "3", &O::smoothness_deg)},

@@ -42,7 +42,7 @@ struct CodecOptions {
   // Method
   Method method = Method::kGrid;
   Regenerate regenerate = Regenerate::kLattice;
-  double alpha_m = 0.1;         ///< largest gap that a hull spans [m]
+  double alpha_m = 0.02;        ///< largest gap that a hull spans [m]
   double smoothness_deg = 3.0;  ///< largest angle between normals within one region
   std::uint32_t k = 30;         ///< neighbours that make a normal
   Effort effort = Effort::kFast;
