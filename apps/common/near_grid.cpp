@@ -1,6 +1,7 @@
 #include "apps/common/near_grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -52,18 +53,20 @@ bool NearGrid::fill(std::span<const Point3f> points, double distance_m) noexcept
 double NearGrid::farthest_m(const NearGrid& other) const noexcept {
   double worst = 0;
   for (std::size_t i = 0; i < used_; ++i)
-    worst = std::max(worst, other.nearest_m(points_[entries_[i].point]));
+    worst = std::max(worst, other.nearest_m(points_[entries_[i].point], worst));
   return worst;
 }
 
-double NearGrid::nearest_m(const Point3f& p) const noexcept {
+double NearGrid::nearest_m(const Point3f& p, double enough_m) const noexcept {
+  // The point's own cell first: most look-ups end there.
+  constexpr std::array<int, 3> kSteps{0, -1, 1};
   const double limit = distance_m_ * distance_m_;
   double best = std::numeric_limits<double>::infinity();
   const double x = std::floor(p.x / distance_m_), y = std::floor(p.y / distance_m_),
                z = std::floor(p.z / distance_m_);
   const auto end = entries_.begin() + static_cast<std::ptrdiff_t>(used_);
-  for (int i = 0; i < 27; ++i) {
-    const std::uint64_t cell = cell_of(x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1);
+  for (std::size_t i = 0; i < 27 && best > enough_m * enough_m; ++i) {
+    const std::uint64_t cell = cell_of(x + kSteps[i % 3], y + kSteps[i / 3 % 3], z + kSteps[i / 9]);
     auto at = std::lower_bound(entries_.begin(), end, cell,
                                [](const Entry& e, std::uint64_t c) { return e.cell < c; });
     for (; at != end && at->cell == cell; ++at) {

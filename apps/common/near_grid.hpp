@@ -20,11 +20,13 @@ class NearGrid {
   bool fill(std::span<const Point3f> points, double distance_m) noexcept;
 
   /// Largest distance [m] of a point of this list to its nearest of `other`; infinite when one has
-  /// none within the distance. Equal points, which coarse grids make many of, are looked up once.
+  /// none within the distance. Equal points, which coarse grids make many of, are looked up once,
+  /// and a look-up ends as soon as it cannot raise the largest distance.
   double farthest_m(const NearGrid& other) const noexcept;
 
-  /// Distance to the nearest point [m] when it is within the distance; infinite when none is.
-  double nearest_m(const Point3f& p) const noexcept;
+  /// Distance to the nearest point [m] when it is within the distance; infinite when none is. Any
+  /// distance up to `enough_m` will do as an answer when it is not above that.
+  double nearest_m(const Point3f& p, double enough_m = 0) const noexcept;
 
  private:
   struct Entry {
