@@ -32,6 +32,9 @@ struct Stream {
 
 const Stream kStreams[] = {
     {"Organised", {"sim:room:50", "--size", "160x120", "--tolerance", "2sigma"}},
+    {"List", {"sim:scan:50", "--size", "64x48", "--tolerance", "10mm"}},
+    {"ListSurfaces", {"sim:scan:50", "--size", "64x48", "--tolerance", "surfaces"}},
+    {"ListPaper", {"sim:scan:50", "--size", "64x48", "--method", "paper"}},
 };
 
 // May block in the kernel's send and receive, or wait for their own clock; all others never.
