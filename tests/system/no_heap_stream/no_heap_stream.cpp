@@ -23,7 +23,7 @@ using namespace test;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 // Every point is looked at here; tests/system/realtime runs the long streams, in the real programs.
-constexpr std::uint64_t kFrames = kSanitized ? 60 : 200;
+constexpr std::uint64_t kFrames = kSanitized ? 30 : 200;
 
 // Blocking calls of the pipeline's threads alone: what the guard counts for the process holds the
 // publisher's and the subscriber's too, which are allowed.
