@@ -13,9 +13,12 @@ namespace {
 constexpr std::uint32_t kBorder = 4;
 // Bits: a label that is the left block's, the one above's, or another's; what a surface costs.
 constexpr float kAsLeftBits = 0.1F, kAsAboveBits = 2.5F, kOtherBits = 7.0F;
-constexpr float kSurfaceBitsLossless = 200.0F, kSurfaceBitsBounded = 1500.0F;
-// A block within the bound of a surface is flat without it, too, at little more.
-constexpr float kFitsBits = 16.0F, kFlatSaves = 0.6F;
+constexpr float kSurfaceBitsLossless = 200.0F, kSurfaceBitsBounded = 500.0F;
+// A surface of degree two has twice the coefficients to send.
+constexpr float kCurvedCost = 1.5F;
+// What a surface saves at most where a block is flat without it (docs/wire-format.md, "Flat
+// blocks"): its plane is foretold by the blocks around nearly as well.
+constexpr float kFlatSaves = 1.5F;
 // Bits of n corrections of mean magnitude m: n log2(1 + kSpread m), near enough for comparing.
 constexpr float kSpread = 2.5F;
 constexpr float kMissCap = 24.0F;
@@ -133,6 +136,45 @@ float surface_misses(const BlockView& b, const BlockSurface& s, const Window& wi
   return sum4(sum);
 }
 
+// Whether a plane of the block's own holds its sampled readings within the bound: least squares
+// over rows 1, 2, 5 and 6, so that the sums about the middle need no solving.
+bool flat_alone(const BlockView& b, float half) noexcept {
+  constexpr float kRowOffset[4] = {-2.5F, -1.5F, 1.5F, 2.5F};
+  constexpr float kSquaresX = 168, kSquaresY = 136;
+  const Float4 at_x[2] = {{-3.5F, -2.5F, -1.5F, -0.5F}, {0.5F, 1.5F, 2.5F, 3.5F}};
+  Float4 sum = all4(0), count = all4(0);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    for (int k = 0; k < 2; ++k) {
+      const Float4 here = load4(b.first + i * b.stride + 4 * k);
+      sum += here;
+      count += keep4(here > all4(0), all4(1));
+    }
+  }
+  const float readings = sum4(count);
+  if (readings == 0) return true;
+  const Float4 mean = all4(sum4(sum) / readings);
+  Float4 along = all4(0), down = all4(0);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    for (int k = 0; k < 2; ++k) {
+      const Float4 here = load4(b.first + i * b.stride + 4 * k);
+      const Float4 off = keep4(here > all4(0), here - mean);  // a hole pulls nowhere
+      along += off * at_x[k];
+      down += off * all4(kRowOffset[i]);
+    }
+  }
+  const Float4 dx = all4(sum4(along) / kSquaresX), dy = all4(sum4(down) / kSquaresY);
+  Float4 most = all4(0);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    for (int k = 0; k < 2; ++k) {
+      const Float4 here = load4(b.first + i * b.stride + 4 * k);
+      const Float4 plane = mean + dx * at_x[k] + dy * all4(kRowOffset[i]);
+      most = max4(most, keep4(here > all4(0), abs4(here - plane)));
+    }
+  }
+  const float limit = half + 0.5F;
+  return most[0] <= limit && most[1] <= limit && most[2] <= limit && most[3] <= limit;
+}
+
 float label_bits(std::uint8_t label, std::uint8_t left, std::uint8_t above) noexcept {
   if (label == left) return kAsLeftBits;
   return label == above ? kAsAboveBits : kOtherBits;
@@ -201,7 +243,7 @@ void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16
   }
   const bool lossless = tables.bounds->lossless();
   choose(regions, lossless ? kLosslessSay : kBoundedSay,
-         lossless ? kSurfaceBitsLossless : kSurfaceBitsBounded, labels);
+         lossless ? kSurfaceBitsLossless : kSurfaceBitsBounded, surfaces, labels);
 }
 
 // The surface that a block gains most by.
@@ -218,6 +260,7 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
   const std::uint8_t left = bx > 0 ? offers_[block - 1].label : std::uint8_t{0};
   const std::uint8_t above = by > 0 ? offers_[block - blocks_wide(tables)].label : std::uint8_t{0};
   float without = 0, readings = 0, best_worth = 0;
+  bool flat = false;
   for (int i = 0; i < candidates.count; ++i) {
     const std::uint8_t label = candidates.label[i];
     const BlockSurface s =
@@ -228,13 +271,14 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
     if (i == 0) {
       const float misses = neighbour_misses(view, window, readings);
       without = bits_of(misses, readings);
+      flat = half > 0 && flat_alone(view, static_cast<float>(half));
     }
     const float misses = surface_misses(view, s, surface_window, static_cast<float>(12 + 3 * half));
     const float sure = half == 0 ? kSureLossless : kSureBounded;
     const float gain = view.rows->share * (without - sure * bits_of(misses, readings));
     const float worth = gain - label_bits(label, left, above);
     if (best.label != 0 && worth <= best_worth) continue;
-    best = {gain, label, half > 0 && view.rows->share * bits_of(misses, readings) < kFitsBits};
+    best = {gain, label, flat};
     best_worth = worth;
   }
   return best;
@@ -243,6 +287,7 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
 // Takes the offers that pay for their label. A few pixels say little of one block, more when those
 // next to it with the same offer have a say.
 void BlockLabeller::choose(const RegionMap& regions, float own_say, float least,
+                           std::span<const Surface> surfaces,
                            std::span<BlockLabel> labels) noexcept {
   const std::uint32_t wide = regions.cells_wide, high = regions.cells_high;
   std::array<float, kMaxSurfaces + 1> saved{};
@@ -267,11 +312,13 @@ void BlockLabeller::choose(const RegionMap& regions, float own_say, float least,
           sum / weight + label_bits(0, left, above) - label_bits(offer.label, left, above);
       if (gain <= 0) continue;
       labels[block].first = offer.label;
-      saved[offer.label] += offer.fits ? std::min(gain, kFlatSaves) : gain;
+      saved[offer.label] += offer.flat ? std::min(gain, kFlatSaves) : gain;
     }
   }
   for (BlockLabel& label : labels) {
-    if (saved[label.first] < least) label.first = 0;
+    if (label.first == 0) continue;
+    const float cost = surfaces[label.first - 1U].curved() ? kCurvedCost * least : least;
+    if (saved[label.first] < cost) label.first = 0;
   }
 }
 

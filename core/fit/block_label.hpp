@@ -40,7 +40,7 @@ class BlockLabeller {
   struct Offer {
     float gain = 0;
     std::uint8_t label = 0;
-    bool fits = false;  ///< hardly a correction is needed on the surface
+    bool flat = false;  ///< the block is flat without a surface, too
   };
 
   void load_levels(const FitTables& tables, std::span<const std::uint16_t> depth,
@@ -50,7 +50,7 @@ class BlockLabeller {
                    std::span<const Surface> surfaces, std::uint32_t bx,
                    std::uint32_t by) const noexcept;
   void choose(const RegionMap& regions, float own_say, float least,
-              std::span<BlockLabel> labels) noexcept;
+              std::span<const Surface> surfaces, std::span<BlockLabel> labels) noexcept;
 
   std::span<Offer> offers_;  ///< of each block
   std::span<float> levels_;  ///< of the sampled rows of a row of blocks, with borders of holes
