@@ -15,11 +15,20 @@ namespace detail {
 inline constexpr unsigned kMostSeen = 150;
 inline constexpr unsigned kMostFast = 14;
 
-/// How far an estimate moves to the outcome by the decisions seen: 1/1.6, 1/2.6, ... 1/61.6 [Q16].
-constexpr std::array<std::uint16_t, kMostSeen + 1> make_mixed_rates() {
-  std::array<std::uint16_t, kMostSeen + 1> rates{};
+/// How far the two estimates move to the outcome [Q16], and how many decisions were seen then.
+struct MixedRate {
+  std::uint16_t fast, slow, next, room;
+};
+
+/// By the decisions seen: 1/1.6, 1/2.6, ... The fast one ends at 1/15.6.
+constexpr std::array<MixedRate, kMostSeen + 1> make_mixed_rates() {
+  std::array<MixedRate, kMostSeen + 1> rates{};
+  const auto rate = [](unsigned seen) {
+    return static_cast<std::uint16_t>(655360 / (10 * seen + 16));
+  };
   for (unsigned seen = 0; seen <= kMostSeen; ++seen)
-    rates[seen] = static_cast<std::uint16_t>(655360 / (10 * seen + 16));
+    rates[seen] = {rate(std::min(seen, kMostFast)), rate(seen),
+                   static_cast<std::uint16_t>(std::min(seen + 1, kMostSeen)), 0};
   return rates;
 }
 inline constexpr auto kMixedRates = make_mixed_rates();
@@ -32,7 +41,7 @@ inline constexpr std::array<std::uint16_t, 33> kLogistic = {
 
 }  // namespace detail
 
-/// Probability in 1/65536 of log odds `x` in 1/256, -2047 .. 2047.
+/// Probability in 1/65536 of log odds `x` in 1/256, -2047 .. 2047, as the document defines it.
 constexpr std::uint32_t squash(std::int32_t x) noexcept {
   const auto up = static_cast<std::uint32_t>(x + 2048);
   const std::uint32_t i = up >> 7U, part = up & 127U;
@@ -53,6 +62,16 @@ constexpr std::array<std::int16_t, 4096> make_stretch() {
 }
 inline constexpr auto kStretch = make_stretch();
 
+/// squash() of x - 2048, kept off the ends so that no decision costs over 11 bits.
+constexpr std::array<std::uint16_t, 4096> make_squash() {
+  std::array<std::uint16_t, 4096> table{};
+  for (std::int32_t x = -2047; x <= 2047; ++x)
+    table[static_cast<std::size_t>(x + 2048)] =
+        static_cast<std::uint16_t>(std::clamp<std::uint32_t>(squash(x), 32, 65504));
+  return table;
+}
+inline constexpr auto kSquash = make_squash();
+
 }  // namespace detail
 
 /// Probability of a decision that is mixed: the mean of two estimates, both of all that was seen
@@ -65,13 +84,15 @@ struct MixedModel {
   std::int32_t odds() const noexcept {
     return detail::kStretch[(std::uint32_t{fast} + slow) >> 5U];
   }
+  /// Towards 65535 or 0 by the share of the way that its rate says, rounded down.
   void update(bool bit) noexcept {
-    const std::int64_t to = bit ? 65535 : 0;
-    const std::int64_t slow_rate = detail::kMixedRates[seen];
-    const std::int64_t fast_rate = detail::kMixedRates[std::min<unsigned>(seen, detail::kMostFast)];
-    fast = static_cast<std::uint16_t>(fast + ((to - fast) * fast_rate >> 16U));
-    slow = static_cast<std::uint16_t>(slow + ((to - slow) * slow_rate >> 16U));
-    seen = static_cast<std::uint8_t>(seen + (seen < detail::kMostSeen ? 1 : 0));
+    // Of 65535 - p for a 1, of p for a 0: both go to 0, and 32 bits hold the product.
+    const std::uint32_t flip = bit ? 0xffffU : 0, up = bit ? 0 : 0xffffU;
+    const detail::MixedRate& rate = detail::kMixedRates[seen];
+    const std::uint32_t f = fast ^ flip, s = slow ^ flip;
+    fast = static_cast<std::uint16_t>((f - ((f * rate.fast + up) >> 16U)) ^ flip);
+    slow = static_cast<std::uint16_t>((s - ((s * rate.slow + up) >> 16U)) ^ flip);
+    seen = static_cast<std::uint8_t>(rate.next);
   }
 };
 
@@ -99,7 +120,7 @@ struct MixedBit {
       sum += std::int64_t{mixer.weight[i]} * odds[i];
     }
     const auto x = static_cast<std::int32_t>(std::clamp<std::int64_t>(sum >> 16U, -2047, 2047));
-    probability = std::clamp<std::uint32_t>(squash(x), 32, 65504);
+    probability = detail::kSquash[static_cast<std::size_t>(x + 2048)];
   }
 
   void learn(BitMixer<N>& mixer, MixedModel* const (&models)[N], bool bit) const noexcept {

@@ -79,8 +79,9 @@ inline NodePlane node_plane(std::uint32_t pattern) noexcept {
     const std::uint64_t most =
         static_cast<std::uint64_t>(std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}));
     const int extra = static_cast<int>(std::bit_width(most)) - 12;
-    if (extra > 0)
-      for (std::int64_t& c : v) c /= std::int64_t{1} << extra;  // towards zero
+    if (extra <= 0) return;
+    const std::int64_t less = (std::int64_t{1} << extra) - 1;
+    for (std::int64_t& c : v) c = (c + (c < 0 ? less : 0)) >> extra;  // towards zero
   };
   shorten();
   for (int round = 0; round < 2; ++round) {

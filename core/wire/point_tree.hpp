@@ -83,8 +83,9 @@ class PointTree {
     const std::uint32_t first_child = levels_.below();
     std::uint32_t mask = 0;
     std::uint32_t first = node.first;
+    unsigned next = Io::kReads ? 8 : io_.octant(first, level);  // encoder: the next occupied one
     for (unsigned octant = 0; octant < 8; ++octant) {
-      bool occupied = !Io::kReads && first < node.end && io_.octant(first, level) == octant;
+      bool occupied = next == octant;
       if (octant < 7 || mask != 0) {
         MixedModel* const contexts[3] = {
             &models.faces[around.faces(octant)][1U << octant | mask],
@@ -103,7 +104,10 @@ class PointTree {
       PointNode& child = levels_.add_child(node, octant);
       if constexpr (!Io::kReads) {
         child.first = first;
-        while (first < node.end && io_.octant(first, level) == octant) ++first;
+        do {
+          ++first;
+          next = first < node.end ? io_.octant(first, level) : 8;
+        } while (next == octant);
         child.end = first;
       }
       mask |= 1U << octant;
