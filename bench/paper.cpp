@@ -15,6 +15,7 @@
 #include "apps/common/frame_source.hpp"
 #include "bench/baselines/point_baselines.hpp"
 #include "bench/paper_steps.hpp"
+#include "bench/pcl_chain.hpp"
 #include "core/metrics/compression.hpp"
 #include "core/metrics/distance.hpp"
 
@@ -30,7 +31,7 @@ constexpr double kSweep_deg[] = {1, 2, 3, 4, 6, 8, 12, 16, 20};
 struct Arguments {
   std::string kind, name;
   std::vector<std::string> inputs;
-  bool sweep = false, compare = false;
+  bool sweep = false, compare = false, pcl = false;
 };
 
 struct Cloud {
@@ -122,17 +123,27 @@ Json chain_row(const char* name, const Arguments& arguments, const Cloud& cloud,
   return row;
 }
 
-double rmse_mm(const PointList& a, const PointList& b) {
+CloudDistance distance(const PointList& a, const PointList& b) {
   DistanceOptions fast;
   fast.point_to_plane = false;
-  return cloud_distance(a, b, fast).d1 * 1e3;
+  return cloud_distance(a, b, fast);
+}
+double rmse_mm(const PointList& a, const PointList& b) {
+  return distance(a, b).d1 * 1e3;
+}
+
+void add_kept(Json& row, const ChainResult& chain) {
+  const CloudDistance kept = distance(chain.kept_cloud, chain.random_cloud);
+  row["d1_kept_mm"] = kept.d1 * 1e3;
+  row["kept_ab_mm"] = kept.d1_ab * 1e3;
+  row["kept_ba_mm"] = kept.d1_ba * 1e3;
 }
 
 void evaluate_chain(const Arguments& arguments, const Cloud& cloud) {
   const ChainResult chain = run_chain(cloud.points, {}, true);
   Json row = chain_row("chain", arguments, cloud, chain);
   row["d1_filtered_mm"] = rmse_mm(chain.filtered_cloud, chain.random_cloud);
-  row["d1_kept_mm"] = rmse_mm(chain.kept_cloud, chain.random_cloud);
+  add_kept(row, chain);
   Json lattice;
   add_distances(lattice, cloud, chain.lattice_cloud);
   row["lattice"] = lattice;
@@ -148,6 +159,21 @@ void sweep(const Arguments& arguments, const Cloud& cloud) {
     row["smoothness_deg"] = degrees;
     row["d1_kept_mm"] = rmse_mm(chain.kept_cloud, chain.random_cloud);
     fmt::print("{}\n", row.dump());
+  }
+}
+
+// PCL's own chain, and ours with its parameters.
+void against_pcl(const Arguments& arguments, const Cloud& cloud) {
+  const auto print = [&](const char* name, const ChainResult& chain) {
+    Json row = chain_row(name, arguments, cloud, chain);
+    add_kept(row, chain);
+    fmt::print("{}\n", row.dump());
+  };
+  print("same", run_chain(cloud.points, pcl_options(), false));
+  if (pcl_available()) {
+    print("pcl", run_pcl_chain(cloud.points));
+  } else {
+    fmt::print("{}\n", Json{{"row", "skipped"}, {"name", "PCL's chain (libpcl-dev)"}}.dump());
   }
 }
 
@@ -182,12 +208,14 @@ int main(int argc, char** argv) {
   app.add_option("inputs", arguments.inputs, "a file, or sim:room; the first frame counts");
   app.add_flag("--sweep", arguments.sweep, "also the sweep of the smoothness threshold");
   app.add_flag("--compare", arguments.compare, "also the systems that the paper compares with");
+  app.add_flag("--pcl", arguments.pcl, "also the same chain by PCL, and ours with its parameters");
   add_codec_options(app, options);
   if (const auto code = parse_command_line(app, argc, argv, options)) return to_int(*code);
   try {
     const Cloud cloud = read_cloud(arguments, options);
     evaluate_chain(arguments, cloud);
     if (arguments.sweep) sweep(arguments, cloud);
+    if (arguments.pcl) against_pcl(arguments, cloud);
     if (arguments.compare) compare(arguments, cloud);
   } catch (const std::exception& error) {
     fmt::print(stderr, "paper: {}: {}\n", arguments.name, error.what());

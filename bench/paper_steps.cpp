@@ -1,6 +1,7 @@
 #include "bench/paper_steps.hpp"
 
 #include "apps/common/frame_codec.hpp"
+#include "bench/alpha_shape.hpp"
 #include "core/filter/statistical_outliers.hpp"
 #include "core/fit/point_planes.hpp"
 #include "core/hull/occupancy_hull.hpp"
@@ -56,7 +57,11 @@ class Chain {
     grow.curvature_limit = options_.curvature_limit;
     grow.min_points = options_.min_points;
     const std::span<std::uint32_t> regions = std::span(regions_).first(n);
-    check(growing_.grow(neighbours_, normals, grow, regions, report_), "regions");
+    // Search order does not depend on k: normals of one search are those of the other.
+    const bool shared = options_.grow_k == options_.k;
+    if (!shared) check(grow_neighbours_.search(points, options_.grow_k, kReach_m), "neighbours");
+    check(growing_.grow(shared ? neighbours_ : grow_neighbours_, normals, grow, regions, report_),
+          "regions");
     PointPlaneOptions fit;
     fit.distance_m = options_.distance_m;
     fit.min_points = options_.min_points;
@@ -102,7 +107,7 @@ class Chain {
     result.intra_mm = report_.intra_distance * 1e3;
     result.inter_mm = report_.inter_distance * 1e3;
     result.bytes = packed_.bytes;
-    result.hull_points = border_cells();
+    result.hull_points = alpha_corners();
     const PointColumns c = columns();
     for (std::uint32_t i = 0; i < neighbours_.size(); ++i) {
       if (flags_[i] == 0) result.filtered_cloud.push_back({c.x[i], c.y[i], c.z[i]});
@@ -116,6 +121,7 @@ class Chain {
  private:
   void layout(Arena& arena, std::uint32_t most) {
     neighbours_.layout(arena, most, options_.k);
+    if (options_.grow_k != options_.k) grow_neighbours_.layout(arena, most, options_.grow_k);
     growing_.layout(arena, most);
     fitter_.layout(arena, most);
     packer_.layout(arena);
@@ -153,27 +159,23 @@ class Chain {
     }
   }
 
-  // Cells inside with a side towards a cell outside.
-  std::size_t border_cells() const {
-    std::size_t border = 0;
-    for (const PatchDraft& d : std::span(drafts_).first(hulls_.drafts_used)) {
-      const auto inside = [&](std::int64_t i, std::int64_t j) {
-        return i >= 0 && j >= 0 && i < d.wide && j < d.high &&
-               cells_[d.first_cell + static_cast<std::size_t>(j * d.wide + i)].inside();
-      };
-      for (std::int64_t j = 0; j < d.high; ++j) {
-        for (std::int64_t i = 0; i < d.wide; ++i) {
-          border += inside(i, j) &&
-                    !(inside(i - 1, j) && inside(i + 1, j) && inside(i, j - 1) && inside(i, j + 1));
-        }
-      }
+  // Corners of the alpha shapes of all planes.
+  std::size_t alpha_corners() const {
+    std::size_t corners = 0;
+    const PointColumns c = columns();
+    baselines::PointList own;
+    for (const PointPlane& plane : std::span(planes_).first(plane_count_)) {
+      own.clear();
+      for (const std::uint32_t i : std::span(members_).subspan(plane.first, plane.count))
+        own.push_back({c.x[i], c.y[i], c.z[i]});
+      corners += alpha_shape(own, {plane.a, plane.b, plane.c}, options_.paper_alpha_m).corners;
     }
-    return border;
+    return corners;
   }
 
   ChainOptions options_;
   Arena arena_;
-  PointNeighbours neighbours_;
+  PointNeighbours neighbours_, grow_neighbours_;
   PointRegionGrowing growing_;
   PointPlaneFitter fitter_;
   PatchPacker packer_;
@@ -207,6 +209,14 @@ double cpu_ms(bool timed, F&& f) {
 }
 
 }  // namespace
+
+ChainOptions pcl_options() {
+  ChainOptions options;
+  options.k = 50;
+  options.curvature_test = CurvatureTest::kAbsolute;
+  options.curvature_limit = 1;
+  return options;
+}
 
 PaperBytes paper_bytes(const ChainResult& chain) {
   PaperBytes bytes;

@@ -11,18 +11,23 @@
 
 namespace planecast::bench {
 
-/// Parameters of Algorithm 1, with the values that the paper most likely used.
+/// Parameters of Algorithm 1, as `--method paper` has them.
 struct ChainOptions {
-  std::uint32_t k = 30;     ///< neighbours, one search for all steps
-  double deviations = 1.0;  ///< of the outlier filter
+  std::uint32_t k = 30;       ///< neighbours of outlier filter and normals
+  std::uint32_t grow_k = 30;  ///< of region growing; the same search where it is k
+  double deviations = 1.0;    ///< of the outlier filter
   double smoothness_deg = 3.0;
   CurvatureTest curvature_test = CurvatureTest::kDifference;
   double curvature_limit = 0.05;
-  double distance_m = 0.01;  ///< of sample consensus
-  double alpha_m = 0.02;     ///< of the hull
+  double distance_m = 0.01;    ///< of sample consensus
+  double alpha_m = 0.02;       ///< of the hull
+  double paper_alpha_m = 0.1;  ///< of the alpha shape whose corners the paper's files would hold
   std::uint32_t min_points = 50;
   std::uint64_t seed = 1;
 };
+
+/// The parameters of PCL's tutorials, which the paper most likely used: run_pcl_chain() has them.
+ChainOptions pcl_options();
 
 struct ChainResult {
   std::size_t points = 0, filtered = 0, in_regions = 0, in_planes = 0;
@@ -30,7 +35,7 @@ struct ChainResult {
   std::uint32_t regions = 0;            ///< kept
   std::uint32_t planes = 0;             ///< planes / regions is the paper's PS
   double inter_mm = 0, intra_mm = 0;    ///< mean distances of neighbours across and within regions
-  std::size_t hull_points = 0;          ///< cells of the boundaries, holes' and islands' included
+  std::size_t hull_points = 0;          ///< corners of the planes' alpha shapes
   std::size_t bytes = 0;                ///< packed, file form
   double encode_ms = 0, decode_ms = 0;  ///< median of 3 runs after a warm-up, thread's CPU
   baselines::PointList filtered_cloud;  ///< after the outlier filter

@@ -5,9 +5,10 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: toolchains/setup.sh [--bench] [--fuzz] [--cross] [--print]
+usage: toolchains/setup.sh [--bench] [--pcl] [--fuzz] [--cross] [--print]
   Installs what is missing of the packages that building and testing need (Debian 12).
   --bench   also the codecs that the benchmarks compare with
+  --pcl     also PCL and CGAL (over 400 packages): the paper's chain and hulls beside theirs
   --fuzz    also clang with libFuzzer
   --cross   also the cross compilers for 32-bit ARM and RISC-V
   --print   only print the packages, one a line, and change nothing
@@ -42,6 +43,7 @@ packages=(
   g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static
 )
 bench_packages=(libboost-dev libreaderwriterqueue-dev libdraco-dev libbz2-dev libzstd-dev libcharls-dev libopenjp2-7-dev liblzma-dev libpng-dev)
+pcl_packages=(libpcl-dev libcgal-dev)
 fuzz_packages=(clang libclang-rt-14-dev)
 cross_packages=(g++-arm-linux-gnueabihf g++-riscv64-linux-gnu)
 
@@ -49,6 +51,7 @@ print_only=no
 for argument in "$@"; do
   case "$argument" in
     --bench) packages+=("${bench_packages[@]}") ;;
+    --pcl) packages+=("${pcl_packages[@]}") ;;
     --fuzz) packages+=("${fuzz_packages[@]}") ;;
     --cross) packages+=("${cross_packages[@]}") ;;
     --print) print_only=yes ;;

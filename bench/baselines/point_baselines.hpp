@@ -1,6 +1,7 @@
 // The point-cloud codecs that the benchmarks compare with, each in the file of its name: Draco, and
 // the systems of the paper's Table 3 as far as their papers tell (readings in each file's head).
-// All of them return as many points as went in; the order may change.
+// All of them return as many points as went in, but Kammerl 2012 with leaves alone; the order may
+// change.
 #pragma once
 
 #include "bench/baselines/baseline.hpp"
@@ -19,6 +20,10 @@ std::unique_ptr<PointBaseline> byte_points(ByteCoder coder, int level);
 std::unique_ptr<PointBaseline> octree2006(double cell_m);
 /// Elseberg, Borrmann, Nuechter 2013 (octree2013.cpp).
 std::unique_ptr<PointBaseline> octree2013();
+/// Kammerl et al. 2012 by PCL (kammerl2012.cpp): leaves of `cell_m`, points in them in steps of
+/// `point_m`; with `voxels` one point a leaf, so that fewer come back.
+std::unique_ptr<PointBaseline> kammerl2012(double point_m, double cell_m, bool voxels);
+bool kammerl2012_available();
 /// Morell et al. 2014, a triangle standing for `k` points (morell2014.cpp).
 std::unique_ptr<PointBaseline> morell2014(int k);
 /// Delaunay triangles over planes, after Navarrete et al. 2016, vertices `pitch_m` apart

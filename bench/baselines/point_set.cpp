@@ -11,7 +11,12 @@ PointBaselines point_set(std::vector<std::string>& skipped) {
   }
   for (const double cell_m : {0.01, 0.002}) set.push_back(octree2006(cell_m));
   set.push_back(octree2013());
-  skipped.emplace_back("Kammerl 2012 (its only public code is PCL's, libpcl-dev: 419 packages)");
+  if (kammerl2012_available()) {
+    set.push_back(kammerl2012(0.001, 0.01, false));
+    for (const double cell_m : {0.01, 0.002}) set.push_back(kammerl2012(cell_m, cell_m, true));
+  } else {
+    skipped.emplace_back("Kammerl 2012 (PCL's own codec: libpcl-dev, toolchains/setup.sh --pcl)");
+  }
   for (const int k : {5, 1}) set.push_back(morell2014(k));
   set.push_back(dt2016(0.1));
   set.push_back(gmm2018());

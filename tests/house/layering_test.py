@@ -64,6 +64,7 @@ PACKAGES = [
     (r"benchmark/.*", "libbenchmark-dev"), (r"draco/.*", "libdraco-dev"),
     (r"bzlib\.h", "libbz2-dev"), (r"zstd\.h", "libzstd-dev"), (r"charls/.*", "libcharls-dev"),
     (r"openjpeg.*", "libopenjp2-7-dev"), (r"lzma\.h", "liblzma-dev"), (r"png\.h", "libpng-dev"),
+    (r"pcl/.*", "libpcl-dev"), (r"CGAL/.*", "libcgal-dev"),
 ]
 
 MATH_HEADERS = ("cmath", "math.h", "complex", "random", "valarray", "tgmath.h", "ctgmath")
