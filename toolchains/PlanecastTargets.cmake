@@ -109,7 +109,6 @@ function(planecast_tests NAME)
   endforeach()
   add_executable(${NAME}_test ${SOURCES})
   target_link_libraries(${NAME}_test PRIVATE ${ARG_DEPENDS} ${ARG_LIBS} planecast_test_support GTest::gtest_main)
-  target_compile_definitions(${NAME}_test PRIVATE PLANECAST_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   # "if (x) EXPECT_EQ(...)" is sound: the macro closes its own else, but g++ cannot tell.
   target_compile_options(${NAME}_test PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-dangling-else>)
   # Expectations are half of the code and most of the compile time at -O3; what they look at is

@@ -11,13 +11,14 @@
 #include "core/base/random.hpp"
 #include "tests/golden/bad_packets.hpp"
 #include "tests/golden/golden_vectors.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace planecast::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(PLANECAST_SOURCE_DIR) / "tests" / "golden";
+const fs::path kFolder = source_folder() / "tests" / "golden";
 constexpr const char* kMend = "  (after a change of the format: target rewrite_golden)";
 
 Bytes file(const std::string& name) {

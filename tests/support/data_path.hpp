@@ -2,7 +2,6 @@
 // skips by name when they are absent.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -10,15 +9,7 @@ namespace planecast::test {
 
 /// Path of a file or folder of the development data, e.g. "depth_seq/aims_realsense/0.png".
 /// The folder is $PLANECAST_DATA, else ../shared/data beside the checkout; empty when it is absent.
-inline std::filesystem::path data_path(const std::string& relative) {
-  const char* env = std::getenv("PLANECAST_DATA");
-  const std::filesystem::path root =
-      env != nullptr
-          ? std::filesystem::path(env)
-          : std::filesystem::path(PLANECAST_SOURCE_DIR).parent_path() / "shared" / "data";
-  const std::filesystem::path full = root / relative;
-  return std::filesystem::exists(full) ? full : std::filesystem::path();
-}
+std::filesystem::path data_path(const std::string& relative);
 
 }  // namespace planecast::test
 
