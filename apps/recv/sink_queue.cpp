@@ -37,6 +37,7 @@ Result<std::unique_ptr<SinkQueue>> SinkQueue::create(std::uint32_t slots, std::u
 }
 
 bool SinkQueue::offer(const Decoder& decoder, const SinkFrame& who) noexcept {
+  if (decoder.cloud().size() > frames_[0].cloud.size()) return false;
   const auto handle = pool_.claim();
   if (!handle) return false;
   SinkFrame& frame = frames_[*handle];

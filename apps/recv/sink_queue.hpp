@@ -43,7 +43,8 @@ class SinkQueue {
 
   // The receiving thread; allocates nothing.
 
-  /// Copies the decoder's frame; false when every slot is in use: the frame is dropped.
+  /// Copies the decoder's frame; false when every slot is in use, or the frame is larger than one:
+  /// the frame is dropped.
   bool offer(const Decoder& decoder, const SinkFrame& who) noexcept;
   /// No more frames: take() ends once empty.
   void close() noexcept { filled_.close(); }

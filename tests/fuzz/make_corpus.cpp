@@ -53,6 +53,9 @@ void wire(const fs::path& golden) {
       append_part(bodies, std::span(slice).subspan(kPacketHeaderBytes));
       append_part(packets, slice);
     }
+    for (std::size_t n = 0; n < stream.slices.size() && stream.name.starts_with("points_"); ++n)
+      put("patch", stream.name + "_" + std::to_string(n),
+          std::span(stream.slices[n]).subspan(kPacketHeaderBytes));
     put("slice", stream.name, bodies);
     put("slice", stream.name + "_packets", packets);
   }

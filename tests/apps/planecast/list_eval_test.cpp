@@ -1,7 +1,9 @@
 // eval, encode and decode of lists of points: files of every kind, and the scanning laser.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 #include <string>
 
 #include "core/io/pcd.hpp"
@@ -117,6 +119,53 @@ TEST_F(ListEval, OddCloudsGiveAResultOrAClearError) {
   const RunResult huge = run("eval huge.xyz --tolerance 5mm");
   EXPECT_TRUE(huge.code == 0 || huge.code == 3) << huge.code << huge.talk;
   EXPECT_TRUE(huge.says("huge.xyz")) << huge.talk;
+}
+
+// Degenerate clouds by both methods and every contract: every point comes back or is counted.
+TEST_F(ListEval, DegenerateCloudsAreCountedByBothMethodsAndEveryContract) {
+  const auto lines = [](int count, const std::function<std::string(int)>& line) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += line(i) + "\n";
+    return text;
+  };
+  Pcg32 random(5);
+  const auto any = [&](double from) { return std::to_string(from + random.uniform()) + " "; };
+  const std::pair<std::string, std::string> clouds[] = {
+      {"zero", "# nothing\n"},
+      {"one", "1 2 3\n"},
+      {"two", "1 2 3\n1 2 4\n"},
+      {"three", "0 0 0\n1 0 0\n0 1 0\n"},
+      {"same", lines(200, [](int) { return "1 2 3"; })},
+      {"line", lines(200, [](int i) { return std::to_string(0.01 * i) + " 0 0"; })},
+      {"twice", lines(100, [&](int) { return any(0) + any(0) + "0"; })},
+      {"nan", lines(3, [](int) { return "nan nan nan"; }) + "0 0 1\n"},
+      {"huge", "1e30 0 0\n" + lines(99, [&](int) { return any(0) + any(0) + "0"; })},
+      {"map", lines(100, [&](int) { return any(691000) + any(5334000) + "500.5"; })}};
+  for (const auto& [name, text] : clouds) {
+    write_text(name + ".xyz", name == "twice" ? text + text : text);
+    for (const std::string options :
+         {"--tolerance 0", "--tolerance 5mm", "", "--tolerance surfaces",
+          "--tolerance surfaces --off-surface drop", "--method paper",
+          "--method paper --off-surface keep --outliers keep --regenerate lattice"}) {
+      const RunResult result = run("eval " + name + ".xyz " + options + " --json");
+      if (name == "zero") {
+        EXPECT_EQ(result.code, 3) << options;
+        EXPECT_TRUE(result.says("zero.xyz: holds no point")) << result.talk;
+        continue;
+      }
+      ASSERT_EQ(result.code, 0) << name << " " << options << result.talk;
+      const auto frame = result.json()["frames"][0];
+      const int in = frame["points_in"], out = frame["points_out"];
+      const int size = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+      EXPECT_EQ(in, name == "nan" ? 1 : (name == "twice" ? 2 * size : size)) << name << options;
+      EXPECT_EQ(in, out + frame["points_dropped"].get<int>()) << name << " " << options;
+      const bool drops = options.find("drop") != std::string::npos || options == "--method paper";
+      if (!drops) EXPECT_EQ(in, out) << name << " " << options;
+    }
+  }
+  const RunResult bound = run("eval one.xyz --method paper --tolerance 5mm");
+  EXPECT_EQ(bound.code, 2);
+  EXPECT_TRUE(bound.says("leave --method")) << bound.talk;
 }
 
 TEST_F(ListEval, InfoNamesTheGridAndWhatEachSliceHolds) {

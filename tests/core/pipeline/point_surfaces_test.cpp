@@ -47,6 +47,27 @@ class PointSurfacesTest : public ::testing::TestWithParam<PointMethod> {
         std::count(surfaces_.roles().begin(), surfaces_.roles().end(), role));
   }
 
+  /// Packs what was found and hands over each patch as it is decoded.
+  template <class F>
+  void each_patch(F&& take) {
+    std::vector<std::uint8_t> bytes(std::size_t{1} << 18U);
+    std::vector<SlicePlace> places(500);
+    FrameReport report;
+    ASSERT_EQ(packer_.pack(surfaces_.drafts(), surfaces_.cells(), {}, 1200, bytes, places, report),
+              Status::kOk);
+    for (const SlicePlace& p : std::span(places).first(report.slices)) {
+      ASSERT_EQ(unpacker_.begin(std::span(bytes).subspan(p.offset + kPacketHeaderBytes,
+                                                         p.bytes - kPacketHeaderBytes)),
+                Status::kOk);
+      while (unpacker_.left() > 0) {
+        Patch patch;
+        std::span<const std::uint8_t> cells;
+        ASSERT_EQ(unpacker_.next(patch, cells), Status::kOk);
+        take(patch, cells);
+      }
+    }
+  }
+
   /// Packs what was found in slices of 1200 B and regenerates it from them.
   std::vector<Point3f> through_the_wire() {
     std::vector<std::uint8_t> bytes(std::size_t{1} << 18U);
@@ -122,6 +143,43 @@ TEST_P(PointSurfacesTest, ARoomComesBackOnItsTwoPlanesAndPointsAreCountedOnce) {
     }
     EXPECT_EQ(in_window, 0U) << "the hole of the wall stays open";
   }
+}
+
+// Every point on a surface against the patches as they are decoded: one has it in a cell, and
+// within the plane's distance but for the rounding of its coefficients.
+TEST_P(PointSurfacesTest, EveryPointOnASurfaceLiesInACellOfADecodedPatchAndOnItsPlane) {
+  const std::vector<Point3f> points = room();
+  ASSERT_EQ(run(points), Status::kOk);
+  std::vector<bool> found(points.size(), false);
+  double worst = 0;
+  const double unit = patch_unit_m(stream_);
+  each_patch([&](const Patch& patch, std::span<const std::uint8_t> cells) {
+    const PatchSurface surface(patch);
+    // By how much a step along the surface is longer than its shadow: distance from the height.
+    const double ends[3] = {static_cast<double>(surface.height(0, 0)),
+                            static_cast<double>(surface.height(1 << 16, 0)),
+                            static_cast<double>(surface.height(0, 1 << 16))};
+    const double lean = std::hypot(1, (ends[1] - ends[0]) / 65536, (ends[2] - ends[0]) / 65536);
+    const double side = unit * (1U << patch.pitch_log2);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (surfaces_.roles()[i] != PointRole::kOnSurface || found[i]) continue;
+      const double p[3] = {points[i].x, points[i].y, points[i].z};
+      const double u = p[patch.axis == 0 ? 1 : 0], v = p[patch.axis == 2 ? 1 : 2];
+      const auto a = static_cast<std::int64_t>(std::floor(u / side)) - patch.cell_u;
+      const auto b = static_cast<std::int64_t>(std::floor(v / side)) - patch.cell_v;
+      if (a < 0 || b < 0 || a >= patch.wide || b >= patch.high) continue;
+      if (cells[static_cast<std::size_t>(b * patch.wide + a)] == 0) continue;
+      const double height = unit * static_cast<double>(surface.height(std::llround(u / unit),
+                                                                      std::llround(v / unit)));
+      const double off = std::abs(p[patch.axis] - height) / lean;
+      if (off > 1.1 * options_.planes.distance_m) continue;
+      found[i] = true;
+      worst = std::max(worst, off);
+    }
+  });
+  EXPECT_EQ(static_cast<std::size_t>(std::count(found.begin(), found.end(), true)),
+            surfaces_.on_surface());
+  EXPECT_GT(worst, 0.0005);  // noise is 2 mm either way
 }
 
 TEST_P(PointSurfacesTest, TheSameFrameTwiceGivesTheSamePatches) {

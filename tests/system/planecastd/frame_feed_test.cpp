@@ -62,7 +62,7 @@ const auto kNever = [] { return false; };
 struct Places {
   explicit Places(std::size_t frames) : bytes(frames * 64) {
     for (std::size_t i = 0; i < frames; ++i)
-      places.push_back(std::span<std::byte>(bytes).subspan(i * 64, 16));
+      places.push_back(std::span<std::byte>(bytes).subspan(i * 64, 48));
   }
   std::vector<std::byte> bytes;
   std::vector<std::span<std::byte>> places;
@@ -117,6 +117,50 @@ TEST(FrameFeed, LiveFrameOfAnotherSizeIsCountedAndPassed) {
   EXPECT_EQ(played(feed), (Numbers{0, 2, 3})) << "a live source that ends, ends";
   EXPECT_EQ(feed.refused(), 1U);
   EXPECT_NE(feed.refusal().find("frame1"), std::string::npos);
+}
+
+/// Lists of 3 points, the second of 5.
+class FewLists : public FrameSource {
+ public:
+  Result<bool> next(SensorFrame& frame) override {
+    if (at_ == 3) return false;
+    frame = {};
+    frame.name = "list" + std::to_string(at_);
+    const std::uint32_t points = at_ == 1 ? 5 : 3;
+    frame.cloud.width = points;
+    frame.cloud.height = 1;
+    frame.cloud.points.assign(points, {static_cast<float>(at_), 1, 2});
+    ++at_;
+    return true;
+  }
+  void rewind() override { at_ = 0; }
+  std::optional<std::uint64_t> count() const override { return 3; }
+
+ private:
+  std::uint64_t at_ = 0;
+};
+
+TEST(FrameFeed, AListTooLargeIsRefusedCountedAndNamesTheFigureThatWouldFit) {
+  StreamSetup setup;
+  setup.cloud_input = true;
+  setup.encoder.stream.kind = FrameKind::kPoints;
+  setup.encoder.stream.points.max_points = 4;
+  for (const bool preload : {false, true}) {
+    FewLists source;
+    FrameFeed feed(source, setup, first_of(source), {.repeat = 2});
+    Places memory(preload ? 3 : 0);
+    ASSERT_TRUE(feed.preload(memory.places, kNever).ok());
+    std::vector<float> numbers;
+    FeedFrame frame;
+    while (feed.next(frame).value()) {
+      ASSERT_EQ(frame.points.size(), 3U);
+      numbers.push_back(frame.points[0].x);
+    }
+    EXPECT_EQ(numbers, (std::vector<float>{0, 2, 0, 2})) << preload;
+    EXPECT_EQ(feed.refused(), preload ? 1U : 2U);
+    EXPECT_NE(feed.refusal().find("list1: has 5 points"), std::string::npos) << feed.refusal();
+    EXPECT_NE(feed.refusal().find("--max-points 5"), std::string::npos) << feed.refusal();
+  }
 }
 
 TEST(FrameFeed, PreloadingStopsWhenAsked) {

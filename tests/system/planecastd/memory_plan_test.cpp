@@ -20,6 +20,17 @@ MemoryNeeds needs_of(FrameKind kind, std::uint32_t width, std::uint32_t height,
   intrinsics.cy = height / 2.0;
   stream.kind = kind;
   stream.camera = quantise(intrinsics, width, height).value();
+  if (kind == FrameKind::kPoints) {
+    stream.camera = {};
+    stream.points.max_points = width * height;
+    stream.tolerance = height > 1 ? ToleranceKind::kSurfaces : ToleranceKind::kMetres;
+    stream.sigmas_q16 = 3 << 16;
+    stream.tolerance_100nm = 50'000;
+    stream.points.step_pm = 10'000'000;
+    stream.points.tolerance_steps = 400;
+    stream.points.patch_unit_nm = 78'125;
+    needs.encoder.stages.paper = height > 2;
+  }
   stream.noise.kind = NoiseModel::Kind::kTof;
   stream.noise.s_e9 = 5'000'000;
   needs.publisher = publisher_for(needs.encoder, "PLANECAST", 1200);
@@ -34,8 +45,10 @@ struct Case {
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
-  *out << (c.kind == FrameKind::kDepth ? "depth " : "raw cloud ") << c.width << 'x' << c.height
-       << ", " << c.preloaded << " preloaded";
+  *out << (c.kind == FrameKind::kDepth    ? "depth "
+           : c.kind == FrameKind::kPoints ? "list "
+                                          : "raw cloud ")
+       << c.width << 'x' << c.height << ", " << c.preloaded << " preloaded";
 }
 
 class MemoryPlanOf : public testing::TestWithParam<Case> {};
@@ -59,11 +72,12 @@ TEST_P(MemoryPlanOf, IsExactlyWhatIsTaken) {
   EXPECT_FALSE(memory.arena.failed());
 }
 
-INSTANTIATE_TEST_SUITE_P(Streams, MemoryPlanOf,
-                         testing::Values(Case{FrameKind::kDepth, 640, 480, 0},
-                                         Case{FrameKind::kDepth, 37, 23, 5},
-                                         Case{FrameKind::kDepth, 1, 1, 1},
-                                         Case{FrameKind::kRawCloud, 61, 45, 3}));
+INSTANTIATE_TEST_SUITE_P(
+    Streams, MemoryPlanOf,
+    testing::Values(Case{FrameKind::kDepth, 640, 480, 0}, Case{FrameKind::kDepth, 37, 23, 5},
+                    Case{FrameKind::kDepth, 1, 1, 1}, Case{FrameKind::kRawCloud, 61, 45, 3},
+                    Case{FrameKind::kPoints, 3000, 1, 2}, Case{FrameKind::kPoints, 1500, 2, 0},
+                    Case{FrameKind::kPoints, 700, 3, 1}));
 
 TEST(MemoryPlan, LinesAddUpToTheTotal) {
   const MemoryNeeds needs = needs_of(FrameKind::kDepth, 320, 240, 7);

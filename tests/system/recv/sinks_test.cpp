@@ -11,6 +11,7 @@
 #include "apps/recv/sink_queue.hpp"
 #include "core/io/depth_png.hpp"
 #include "core/io/ply.hpp"
+#include "core/io/point_file.hpp"
 #include "tests/system/recv/own_folder.hpp"
 #include "tests/system/recv/small_stream.hpp"
 
@@ -111,6 +112,41 @@ TEST(FrameFile, WhatIsWrittenReadsBack) {
   EXPECT_EQ(read_ply(folder / "a.ply")->points.size(),
             depth.size() - static_cast<std::size_t>(std::count(depth.begin(), depth.end(), 0)));
   EXPECT_FALSE(write_frame(*frame, FrameFormat::kPcd, folder / "none" + "/a.pcd").ok());
+}
+
+TEST(FrameFile, ListsGoThroughTheQueueAndReadBackWithTheirZero) {
+  const CodecOptions options = test::list_options("0");
+  SensorFrame original = test::list_frame(0);
+  original.cloud.origin_x = 4e5;
+  test::SmallStream stream(options, original);
+  const auto decoder = test::list_decoder(stream);
+  test::decode(*decoder, stream, original);
+  auto queue = std::move(SinkQueue::create(1, 2000).value());
+  ASSERT_TRUE(queue->offer(*decoder, {}));
+  const SinkFrame* frame = queue->take();
+  ASSERT_TRUE(frame->list());
+  EXPECT_EQ(frame->pixels, 1500U);
+  const OwnFolder folder;
+  for (const FrameFormat format : {FrameFormat::kPly, FrameFormat::kPcd}) {
+    const auto path = folder / ("a." + std::string(extension(format)));
+    ASSERT_TRUE(write_frame(*frame, format, path).ok());
+    const auto back = read_point_file(path);
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_EQ(back->points.size(), 1500U);
+    double sum = 0;
+    for (const Point3f& p : back->points) sum += back->origin_x + p.x - 4e5;
+    EXPECT_NEAR(sum / 1500, 1, 0.05);
+  }
+  EXPECT_FALSE(write_frame(*frame, FrameFormat::kPng, folder / "a.png").ok());
+}
+
+TEST(SinkQueue, AListLargerThanItsSlotsIsNotTaken) {
+  const CodecOptions options = test::list_options("5mm");
+  test::SmallStream stream(options, test::list_frame(0));
+  const auto decoder = test::list_decoder(stream);
+  test::decode(*decoder, stream, test::list_frame(0));
+  auto queue = std::move(SinkQueue::create(1, 1000).value());
+  EXPECT_FALSE(queue->offer(*decoder, {}));
 }
 
 TEST(ResultPicture, SameDepthIsTheSameColourAndLabelsDiffer) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -44,10 +45,37 @@ inline CodecOptions wall_options(const std::string& tolerance) {
   return options;
 }
 
+/// A list of points: a floor with noise of some millimetres, and a few points above it.
+inline SensorFrame list_frame(std::uint64_t number, std::uint32_t points = 1500) {
+  SensorFrame frame;
+  frame.number = number;
+  frame.name = "list#" + std::to_string(number);
+  frame.cloud.width = points;
+  frame.cloud.height = 1;
+  Pcg32 random(number + 1);
+  for (std::uint32_t i = 0; i < points; ++i) {
+    const auto any = [&](double most) { return static_cast<float>(most * random.uniform()); };
+    frame.cloud.points.push_back({any(2), any(2), i % 10 == 0 ? any(1) : any(0.004)});
+  }
+  return frame;
+}
+
+inline CodecOptions list_options(const std::string& tolerance) {
+  CodecOptions options;
+  options.noise = parse_noise("tof:0.004").value();
+  options.tolerance = parse_tolerance(tolerance).value();
+  options.given.insert("tolerance");
+  return options;
+}
+
 /// The stream's setup and encoder.
 struct SmallStream {
   StreamSetup setup;
   FrameCodec codec;
+
+  SmallStream(const CodecOptions& options, const SensorFrame& first)
+      : setup(std::move(setup_stream(options, {}, first).value())),
+        codec(std::move(FrameCodec::create(setup, 1190).value())) {}
 
   explicit SmallStream(const std::string& tolerance, std::uint8_t number = 0,
                        std::uint32_t session = 1)
@@ -62,6 +90,13 @@ struct SmallStream {
     return made;
   }
 };
+
+/// A decoder with room for the lists of a stream.
+inline std::unique_ptr<Decoder> list_decoder(const SmallStream& stream) {
+  FrameLimits limits{1, 1};
+  limits.max_points = stream.setup.encoder.stream.points.max_points;
+  return std::move(Decoder::create({limits}).value());
+}
 
 /// Decodes a coded frame with its key packet.
 inline void decode(Decoder& decoder, SmallStream& stream, const SensorFrame& frame) {
