@@ -85,7 +85,7 @@ constexpr unsigned face_place(unsigned d) {
 /// `state` times the place of the face for each of the eight that lies across from `octant`.
 constexpr std::uint64_t face_of(unsigned d, unsigned octant, unsigned state) {
   const unsigned place = face_place(d);
-  if (place == 0 || (make_touching()[d] >> octant & 1U) == 0) return 0;
+  if (place == 0 || (kTouching[d] >> octant & 1U) == 0) return 0;
   const unsigned axis = place == 1 ? 0 : (place == 3 ? 1 : 2);
   return std::uint64_t{state * place} << (8 * (octant ^ (1U << axis)));
 }
