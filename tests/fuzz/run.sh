@@ -5,8 +5,9 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: tests/fuzz/run.sh [--seconds N | --executions N] [--build FOLDER] [TARGET...]
-  Fuzzes every target for 30 seconds each, or those named, for so long or so often as told.
+usage: tests/fuzz/run.sh [--seconds N] [--executions N] [--build FOLDER] [TARGET...]
+  Fuzzes every target for 30 seconds each, or those named, for so long or so often as told;
+  with both, until the first of them is reached.
   targets: key slice file depth_png pcd ply xyz_text kitti_bin
 exit codes: 0 no fault, 1 a fault (its input is named) or a failed build, 2 wrong usage,
   77 clang or libFuzzer is not installed
@@ -15,12 +16,12 @@ TEXT
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=build/fuzz
-limit=-max_total_time=30
+limits=()
 targets=()
 while [ $# -gt 0 ]; do
   case "$1" in
-    --seconds) limit=-max_total_time=${2:?} && shift ;;
-    --executions) limit=-runs=${2:?} && shift ;;
+    --seconds) limits+=(-max_total_time="${2:?}") && shift ;;
+    --executions) limits+=(-runs="${2:?}") && shift ;;
     --build) build=${2:?} && shift ;;
     -h | --help) usage; exit 0 ;;
     -*) echo "run.sh: unknown option '$1'" >&2; usage >&2; exit 2 ;;
@@ -28,6 +29,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
+[ ${#limits[@]} -gt 0 ] || limits=(-max_total_time=30)
 [ ${#targets[@]} -gt 0 ] || targets=(key slice file depth_png pcd ply xyz_text kitti_bin)
 
 if ! echo 'extern "C" int LLVMFuzzerTestOneInput(const char*, unsigned long) { return 0; }' |
@@ -45,10 +47,14 @@ for target in "${targets[@]}"; do
   found=tests/fuzz/found/$target
   [ -d "$found" ] || found=
   log=$folder/$target.log
-  if "$folder/${target}_fuzz" "$limit" -max_len=4096 -timeout=20 -rss_limit_mb=3000 -print_final_stats=1 \
+  # A slice costs what it decodes to: short ones give more tries.
+  longest=$([ "$target" = slice ] && echo 512 || echo 2048)
+  if "$folder/${target}_fuzz" "${limits[@]}" -max_len="$longest" -timeout=20 -rss_limit_mb=3000 -print_final_stats=1 \
     -artifact_prefix="$folder/$target-" "$folder/corpus/$target" $found >"$log" 2>&1; then
-    printf '%-10s %10s executions, %6s a second, no fault\n' "$target" \
-      "$(sed -n 's/.*number_of_executed_units: *//p' "$log")" "$(sed -n 's/.*average_exec_per_sec: *//p' "$log")"
+    printf '%-10s %10s executions, %6s a second, %5s edges, no fault\n' "$target" \
+      "$(sed -n 's/.*number_of_executed_units: *//p' "$log")" \
+      "$(sed -n 's/.*average_exec_per_sec: *//p' "$log")" \
+      "$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$log" | tail -n 1)"
   else
     failed=1
     echo "$target FAILED; the input: $(sed -n 's/.*Test unit written to //p' "$log"), the report: $log"
