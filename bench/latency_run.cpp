@@ -9,9 +9,11 @@
 #include <memory>
 #include <thread>
 
+#include "apps/common/frame_slices.hpp"
 #include "apps/common/packet_parse.hpp"
 #include "apps/common/stream_sender.hpp"
 #include "core/pipeline/decoder.hpp"
+#include "core/pipeline/frame_team.hpp"
 #include "core/pipeline/worker_thread.hpp"
 #include "core/wire/frame_pack.hpp"
 #include "core/wire/key_packet.hpp"
@@ -75,7 +77,11 @@ class Measurement {
     if (!made) return made.error();
     encoder_ = std::move(*made);
     const CameraModel& camera = setup_.encoder.stream.camera;
-    auto decoder = Decoder::create({{camera.width, camera.height}});
+    if (team_.start({.name = "unpack2"}) != 0)
+      return Error{Status::kStopped, "no thread to help with decoding"};
+    FrameLimits limits{camera.width, camera.height};
+    limits.max_points = setup_.encoder.stream.points.max_points;
+    auto decoder = Decoder::create({limits, team_.work()});
     if (!decoder) return decoder.error();
     decoder_ = std::move(*decoder);
     std::vector<std::uint8_t> key(kPacketHeaderBytes + kMaxKeyBodyBytes);
@@ -138,8 +144,10 @@ class Measurement {
       at.packed = frame.slot->packed_ns;
       if (frame.status == Status::kOk) {
         (void)decoder_->begin();
-        for (std::uint32_t i = 0; i < frame.slot->report.slices; ++i)
-          (void)decoder_->add(frame.slot->slice(i));
+        (void)decoder_->add_all(
+            {frame.slot, frame.slot->report.slices, [](const void* slot, std::uint32_t i) noexcept {
+               return static_cast<const FrameSlot*>(slot)->slice(i);
+             }});
         finish(at, frame.slot->report.slices);
       }
       encoder_->release(frame);
@@ -155,8 +163,7 @@ class Measurement {
       at.arrived = frame->first_ns;
       at.assembled = frame->ready_ns;
       (void)decoder_->begin();
-      for (std::uint16_t i = 0; i < frame->slice_count; ++i)
-        if (!frame->slice(i).empty()) (void)decoder_->add(frame->slice(i));
+      (void)decoder_->add_all(slices_of(*frame));
       finish(at, frame->slice_count);
     }
   }
@@ -230,6 +237,7 @@ class Measurement {
   std::vector<std::int64_t> timer_;
   std::atomic<bool> over_{false};
   std::unique_ptr<Encoder> encoder_;
+  FrameTeam team_;  ///< as planecast-recv has one
   std::unique_ptr<Decoder> decoder_;
   std::unique_ptr<Subscriber> subscriber_;
   std::unique_ptr<Publisher> publisher_;

@@ -47,10 +47,10 @@ FrameMost most_of(const EncoderConfig& encoder) {
   return {frame_capacity(camera.width, camera.height), slice_capacity(camera.width, camera.height)};
 }
 
-std::vector<std::string> thread_names(RunMode mode) {
+std::vector<std::string> thread_names(const EncoderConfig& encoder) {
   std::vector<std::string> names = {"source", "sender", "publisher"};
-  if (mode == RunMode::kThreads)
-    names.insert(names.begin() + 1, {"filter", "segment", "fit", "pack"});
+  const auto inside = Encoder::thread_names(encoder);
+  names.insert(names.begin() + 1, inside.begin(), inside.end());
   return names;
 }
 
@@ -75,7 +75,7 @@ Result<MemoryPlan> plan_memory(const MemoryNeeds& needs) {
   lay_out(needs, plan, arena, nullptr);
   (void)arena.take<std::byte>(plan.publisher);
   plan.arena = arena.bytes_needed();
-  plan.threads = thread_names(needs.encoder.runner.mode);
+  plan.threads = thread_names(needs.encoder);
   plan.stack = stack_mapping_bytes();
   return plan;
 }

@@ -2,6 +2,7 @@
 
 #include <ctime>
 
+#include "apps/common/frame_slices.hpp"
 #include "apps/common/packet_parse.hpp"
 #include "transport/wake.hpp"
 
@@ -20,7 +21,9 @@ std::int64_t realtime_ns() noexcept {
 }  // namespace
 
 std::size_t ReceiveLoop::memory_bytes(const ReceiveConfig& config) noexcept {
-  return config.streams * Decoder::memory_bytes({config.limits});
+  FrameTeam team;
+  return config.streams * Decoder::memory_bytes({config.limits, team.work()}) +
+         stack_mapping_bytes();
 }
 
 Result<std::unique_ptr<ReceiveLoop>> ReceiveLoop::create(const ReceiveConfig& config,
@@ -28,9 +31,13 @@ Result<std::unique_ptr<ReceiveLoop>> ReceiveLoop::create(const ReceiveConfig& co
                                                          const ReferenceCheck* reference,
                                                          SinkQueue* sinks) {
   std::unique_ptr<ReceiveLoop> loop(new ReceiveLoop(config, subscriber, reference, sinks));
+  if (loop->team_.start({.name = "unpack2"}, config.on_thread_start) != 0)
+    return Error{Status::kStopped,
+                 "the system refuses a thread that helps to decode; raise the "
+                 "limits of processes and of memory"};
   loop->streams_.resize(config.streams);
   for (Stream& stream : loop->streams_) {
-    auto decoder = Decoder::create({config.limits});
+    auto decoder = Decoder::create({config.limits, loop->team_.work()});
     if (!decoder.ok()) return decoder.error();
     stream.decoder = std::move(*decoder);
   }
@@ -128,13 +135,8 @@ void ReceiveLoop::decode(Stream& stream, const AssembledFrame& frame,
     if (!refused) subscriber_.count_unknown_keys(frame.stream, frame.slices_received);
     return;
   }
-  for (std::uint16_t i = 0; i < frame.slice_count; ++i) {
-    const auto slice = frame.slice(i);
-    if (slice.empty()) continue;
-    record.bytes += slice.size();
-    const Status status = decoder.add(slice);
-    if (status != Status::kOk && record.status == Status::kOk) record.status = status;
-  }
+  for (std::uint16_t i = 0; i < frame.slice_count; ++i) record.bytes += frame.slice(i).size();
+  record.status = decoder.add_all(slices_of(frame));
   if (decoder.counts().unknown_key > 0)
     subscriber_.count_unknown_keys(frame.stream, decoder.counts().unknown_key);
   (void)decoder.finish();  // begin() has shown that the tables are there

@@ -13,6 +13,7 @@
 #include "apps/recv/sink_queue.hpp"
 #include "core/base/status.hpp"
 #include "core/pipeline/decoder.hpp"
+#include "core/pipeline/frame_team.hpp"
 #include "transport/subscriber.hpp"
 
 namespace planecast {
@@ -23,6 +24,8 @@ struct ReceiveConfig {
   std::uint64_t frames = 0;      ///< end after this many, lost ones included; 0: no end
   std::uint32_t boot_id = 0;     ///< of this host (boot_id_hash)
   std::int64_t deadline_ns = 0;  ///< a frame that takes longer counts as late; 0: none does
+  void (*on_thread_start)(const char* name) =
+      nullptr;  ///< first on the thread that helps to decode
 };
 
 class ReceiveLoop {
@@ -92,6 +95,7 @@ class ReceiveLoop {
   Subscriber& subscriber_;
   const ReferenceCheck* reference_;
   SinkQueue* sinks_;
+  FrameTeam team_;  ///< helps whichever decoder works
   std::vector<Stream> streams_;
   std::uint64_t frames_passed_ = 0;
   RecordQueue records_;

@@ -11,6 +11,7 @@
 #include "apps/common/boot_id.hpp"
 #include "apps/common/live_line.hpp"
 #include "apps/common/memory_fit.hpp"
+#include "apps/common/realtime.hpp"
 #include "apps/common/reference_check.hpp"
 #include "apps/common/stop_signals.hpp"
 #include "apps/recv/frame_file.hpp"
@@ -104,8 +105,9 @@ Result<Done> Receiver::prepare(const LcmUrl& url) {
                      static_cast<std::uint16_t>(options.max_size.height)};
   limits.max_points = codec.max_points.value_or(0);
   const std::uint32_t sink_points = std::max(limits.pixels(), limits.points());
-  const ReceiveConfig receive{options.streams, limits, options.frames, boot_id_hash(),
-                              options.realtime.watchdog_ns()};
+  const ReceiveConfig receive{
+      options.streams,  limits, options.frames, boot_id_hash(), options.realtime.watchdog_ns(),
+      dress_this_thread};
   const std::size_t bytes =
       Subscriber::memory_bytes(config) + ReceiveLoop::memory_bytes(receive) +
       (options.has_sinks() ? SinkQueue::memory_bytes(kSinkSlots, sink_points) : 0);

@@ -8,9 +8,23 @@
 
 namespace planecast {
 
+namespace {
+
+std::size_t slice_blocks(const FrameLimits& limits) noexcept {
+  return std::size_t{(limits.max_width + 7U) / 8} * ((limits.max_height + 7U) / 8);
+}
+
+}  // namespace
+
 Status Decoder::layout(Arena& arena, const DecoderConfig& config) noexcept {
   tables_.layout(arena, config.limits);
-  unpacker_.layout(arena, config.limits.max_width);
+  team_ = config.team;
+  for (std::uint32_t i = 0; i < (team_.shared() ? kMaxTeamWorkers : 1); ++i)
+    unpackers_[i].layout(arena, config.limits.max_width);
+  if (team_.shared()) {
+    outcomes_ = arena.take<Outcome>(kMaxShared);
+    taken_ = arena.take<std::uint8_t>(slice_blocks(config.limits));
+  }
   raw_unpacker_.layout(arena, config.limits.max_width);
   depth_ = arena.take<std::uint16_t>(config.limits.pixels());
   labels_ = arena.take<std::uint8_t>(config.limits.pixels());
@@ -130,8 +144,8 @@ Status Decoder::unpack(std::span<const std::uint8_t> slice, TileContent& content
   const std::size_t pixels = config().camera.pixels();
   switch (kind()) {
     case FrameKind::kDepth:
-      return unpacker_.unpack_slice(tables_.coding(), tables_.key_hash(), slice,
-                                    {depth_.first(pixels), labels_.first(pixels)}, content);
+      return unpackers_[0].unpack_slice(tables_.coding(), tables_.key_hash(), slice,
+                                        {depth_.first(pixels), labels_.first(pixels)}, content);
     case FrameKind::kRawCloud:
       return raw_unpacker_.unpack_slice(config(), tables_.key_hash(), slice, cloud_.first(pixels),
                                         content);
@@ -143,7 +157,10 @@ Status Decoder::unpack(std::span<const std::uint8_t> slice, TileContent& content
 
 Status Decoder::add(std::span<const std::uint8_t> slice) noexcept {
   TileContent content;
-  const Status status = tables_.ready() ? unpack(slice, content) : Status::kUnknownKey;
+  return count(tables_.ready() ? unpack(slice, content) : Status::kUnknownKey, content);
+}
+
+Status Decoder::count(Status status, const TileContent& content) noexcept {
   if (status == Status::kOk) {
     ++counts_.slices;
     counts_.points += content.points;
@@ -154,6 +171,65 @@ Status Decoder::add(std::span<const std::uint8_t> slice) noexcept {
     if (status == Status::kUnknownKey) ++counts_.unknown_key;
   }
   return status;
+}
+
+// Slices may be decoded side by side when no two claim the same block, which only a hostile
+// sender's do; one that does not say its place is left to add() as well.
+bool Decoder::can_share(const SliceList& slices) noexcept {
+  if (!team_.shared() || !depth_stream() || slices.count < 2 || slices.count > kMaxShared)
+    return false;
+  const CameraModel& camera = config().camera;
+  const std::size_t wide = (camera.width + 7U) / 8;
+  std::fill(taken_.begin(), taken_.end(), std::uint8_t{0});
+  for (std::uint32_t i = 0; i < slices.count; ++i) {
+    const auto slice = slices.at(slices.frame, i);
+    if (slice.empty()) continue;
+    TileRect rect;
+    if (FrameUnpacker::peek(tables_.coding(), tables_.key_hash(), slice, rect) != Status::kOk)
+      return false;
+    for (std::uint32_t by = rect.by; by < rect.by + rect.bh; ++by) {
+      const auto row = taken_.subspan(by * wide + rect.bx, rect.bw);
+      if (std::find(row.begin(), row.end(), 1) != row.end()) return false;
+      std::fill(row.begin(), row.end(), std::uint8_t{1});
+    }
+  }
+  return true;
+}
+
+struct Decoder::Sharing {
+  Decoder& decoder;
+  const SliceList& slices;
+};
+
+void Decoder::add_shared(const SliceList& slices) noexcept {
+  Sharing sharing{*this, slices};
+  team_.run(
+      slices.count,
+      [](void* job, std::uint32_t i, std::uint32_t worker) noexcept {
+        const auto& all = *static_cast<const Sharing*>(job);
+        Decoder& self = all.decoder;
+        const auto slice = all.slices.at(all.slices.frame, i);
+        if (slice.empty()) return;
+        const std::size_t pixels = self.config().camera.pixels();
+        self.outcomes_[i].status = self.unpackers_[worker].unpack_slice(
+            self.tables_.coding(), self.tables_.key_hash(), slice,
+            {self.depth_.first(pixels), self.labels_.first(pixels)}, self.outcomes_[i].content);
+      },
+      &sharing);
+}
+
+Status Decoder::add_all(const SliceList& slices) noexcept {
+  const bool shared = can_share(slices);
+  if (shared) add_shared(slices);
+  Status first = Status::kOk;
+  for (std::uint32_t i = 0; i < slices.count; ++i) {
+    const auto slice = slices.at(slices.frame, i);
+    if (slice.empty()) continue;
+    // Counted in order, so that surfaces have the same numbers whoever decoded them.
+    const Status status = shared ? count(outcomes_[i].status, outcomes_[i].content) : add(slice);
+    if (first == Status::kOk) first = status;
+  }
+  return first;
 }
 
 // A surface that crosses several tiles travels in each with the same coefficients: that is how it
@@ -178,7 +254,7 @@ void Decoder::number_surfaces(const TileContent& tile) noexcept {
 Status Decoder::finish() noexcept {
   if (!tables_.ready()) return Status::kUnknownKey;
   if (kind() != FrameKind::kDepth) return Status::kOk;
-  return regenerate(config(), tables_.rays(), tables_.scale(), depth(), cloud_);
+  return regenerate(config(), tables_.rays(), tables_.scale(), depth(), cloud_, team_);
 }
 
 std::span<const std::uint16_t> Decoder::depth() const noexcept {

@@ -1,5 +1,5 @@
 // The decoder of one stream: key packets and slices in, a depth image and a cloud out. One thread,
-// fixed memory; no segmentation is linked by it.
+// or a team where one is given; fixed memory; no segmentation is linked by it.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/base/arena.hpp"
+#include "core/base/work_team.hpp"
 #include "core/pipeline/stream_tables.hpp"
 #include "core/regen/patch_fill.hpp"
 #include "core/wire/frame_unpack.hpp"
@@ -20,6 +21,14 @@ namespace planecast {
 struct DecoderConfig {
   FrameLimits limits{1280, 1024};  ///< larger streams are refused with kFrameTooLarge; lists of
                                    ///< points have max_points, by default as many as pixels
+  WorkTeam team{};  ///< shares add_all() and finish() of depth frames; to outlive the decoder
+};
+
+/// The slices of a frame where they lie: at(frame, i) for i below count, empty where one is lost.
+struct SliceList {
+  const void* frame = nullptr;
+  std::uint32_t count = 0;
+  std::span<const std::uint8_t> (*at)(const void* frame, std::uint32_t i) noexcept = nullptr;
 };
 
 /// What happened to the current frame's slices.
@@ -32,7 +41,7 @@ struct DecodedCounts {
   std::uint32_t surfaces = 0;  ///< different ones; slices repeat those they share. Lists: patches
 };
 
-/// Usage per frame: begin(), add() for each key packet and slice, finish(); then depth(), cloud().
+/// Usage per frame: begin(), add() for each slice or add_all(), finish(); then depth(), cloud().
 class Decoder {
  public:
   /// Exact bytes that create() maps for this configuration.
@@ -51,6 +60,9 @@ class Decoder {
   Status begin() noexcept;
   /// Decodes one slice, in any order. Its failure is counted and returned; others go on.
   Status add(std::span<const std::uint8_t> slice) noexcept;
+  /// The same as add() for each slice that is there, in order; returns the first failure. Shared
+  /// out among DecoderConfig::team, unless two slices claim the same pixels.
+  Status add_all(const SliceList& slices) noexcept;
   /// Regenerates the cloud. kUnknownKey before the first key packet.
   Status finish() noexcept;
 
@@ -69,7 +81,18 @@ class Decoder {
   std::span<const Point3f> cloud() const noexcept;
 
  private:
+  /// Most slices that are shared out: what a team can count.
+  static constexpr std::uint32_t kMaxShared = 255;
+  struct Outcome {
+    TileContent content;
+    Status status = Status::kOk;
+  };
+  struct Sharing;
+
   Status layout(Arena& arena, const DecoderConfig& config) noexcept;
+  bool can_share(const SliceList& slices) noexcept;
+  void add_shared(const SliceList& slices) noexcept;
+  Status count(Status status, const TileContent& content) noexcept;
   void number_surfaces(const TileContent& tile) noexcept;
   FrameKind kind() const noexcept { return config().kind; }
   bool depth_stream() const noexcept { return ready() && kind() == FrameKind::kDepth; }
@@ -81,7 +104,10 @@ class Decoder {
 
   Arena arena_;
   StreamTables tables_;
-  FrameUnpacker unpacker_;
+  std::array<FrameUnpacker, kMaxTeamWorkers> unpackers_;
+  WorkTeam team_;
+  std::span<Outcome> outcomes_;    ///< of the slices shared out
+  std::span<std::uint8_t> taken_;  ///< blocks that a slice claims
   RawFrameUnpacker raw_unpacker_;
   PointFrameUnpacker point_unpacker_;
   PatchUnpacker patch_unpacker_;

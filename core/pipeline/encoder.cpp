@@ -10,6 +10,12 @@ namespace planecast {
 namespace {
 
 constexpr std::size_t kStages = 4;
+constexpr const char* kHelper = "pack2";
+
+bool helped(const EncoderConfig& config) noexcept {
+  return config.pack_threads > 1 && config.runner.mode == RunMode::kThreads &&
+         config.stream.kind == FrameKind::kDepth && !(config.budget_ms > 0);
+}
 
 FrameLimits limits_of(const EncoderConfig& config, const PointSurfaceOptions& search) {
   if (config.stream.kind == FrameKind::kPoints)
@@ -52,6 +58,9 @@ Result<Done> check(const EncoderConfig& config) {
                                          " neighbours, not " +
                                          std::to_string(config.stages.neighbours)};
   }
+  if (config.pack_threads < 1 || config.pack_threads > kMaxTeamWorkers) {
+    return Error{Status::kBadConfig, "a frame is packed by 1 or 2 threads"};
+  }
   if (config.stages.range_min > config.stages.range_max) {
     return Error{Status::kBadConfig, "the range's minimum lies above its maximum"};
   }
@@ -70,6 +79,19 @@ Encoder::~Encoder() {
   runner_.stop(StopMode::kDiscard);
 }
 
+std::size_t Encoder::stack_bytes(const EncoderConfig& config) noexcept {
+  return StageRunner::stack_bytes(config.runner, kStages) +
+         (helped(config) ? stack_mapping_bytes() : 0);
+}
+
+std::vector<const char*> Encoder::thread_names(const EncoderConfig& config) {
+  if (config.runner.mode != RunMode::kThreads) return {};
+  std::vector<const char*> names = {FilterStage::kName, SegmentStage::kName, FitStage::kName,
+                                    PackStage::kName};
+  if (helped(config)) names.push_back(kHelper);
+  return names;
+}
+
 Status Encoder::layout(Arena& arena) noexcept {
   const PointSurfaceOptions search = surface_options(config_.stream, config_.stages);
   const FrameLimits limits = limits_of(config_, search);
@@ -77,7 +99,7 @@ Status Encoder::layout(Arena& arena) noexcept {
   filter_.layout(arena, limits, config_.stream.kind);
   segment_.layout(arena, limits, config_.stream.kind);
   fit_.layout(arena, limits, config_.stream.kind);
-  pack_.layout(arena, limits, config_.stream.kind);
+  pack_.layout(arena, limits, config_.stream.kind, helped(config_) ? kMaxTeamWorkers : 1);
   key_body_ = arena.take<std::uint8_t>(kMaxKeyBodyBytes);
   slots_ = arena.take<FrameSlot>(config_.runner.slots);
   for (std::uint32_t i = 0; i < config_.runner.slots; ++i) {
@@ -131,6 +153,10 @@ Result<std::unique_ptr<Encoder>> Encoder::create(const EncoderConfig& config,
       config.stream.drop_off_surface ? FrameEffort::kPlanes : FrameEffort::kStored);
   StageOptions options = config.stages;
   options.budget = &encoder->budget_;
+  if (helped(config)) {
+    options.team = encoder->team_.work();
+    encoder->runner_.share(encoder->team_, kHelper);
+  }
   encoder->filter_.bind(encoder->tables_, options);
   encoder->segment_.bind(encoder->tables_, options);
   encoder->fit_.bind(encoder->tables_, options);

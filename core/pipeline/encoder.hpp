@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/base/arena.hpp"
 #include "core/pipeline/frame_slot.hpp"
+#include "core/pipeline/frame_team.hpp"
 #include "core/pipeline/stage_runner.hpp"
 #include "core/pipeline/stages.hpp"
 
@@ -24,6 +26,8 @@ struct EncoderConfig {
   ArenaOptions memory;
   double budget_ms = 0;              ///< CPU time of one frame over all stages; 0 = no limit
   FrameClock clock = thread_cpu_ns;  ///< what the budget is measured by
+  std::uint32_t pack_threads = 2;    ///< that share the packing of a depth frame, 1 or 2; with
+                                     ///< RunMode::kThreads and no budget, else it is one
 };
 
 /// A depth image to encode; not owned, copied by submit().
@@ -52,6 +56,11 @@ class Encoder {
   ~Encoder();
   Encoder(const Encoder&) = delete;
   Encoder& operator=(const Encoder&) = delete;
+
+  /// Bytes that start() maps for the stacks of its threads beside the arena, exactly.
+  static std::size_t stack_bytes(const EncoderConfig& config) noexcept;
+  /// Names of the threads that start() starts, in order.
+  static std::vector<const char*> thread_names(const EncoderConfig& config);
 
   Result<Done> start() { return runner_.start(); }
   void stop(StopMode mode = StopMode::kDrain) noexcept { runner_.stop(mode); }
@@ -97,6 +106,7 @@ class Encoder {
   PackStage pack_;
   std::span<std::uint8_t> key_body_;
   std::size_t key_body_bytes_ = 0;
+  FrameTeam team_;
   StageRunner runner_;
 };
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/base/work_team.hpp"
+
 namespace planecast {
 
 class FrameBudget;
@@ -19,6 +21,7 @@ struct StageOptions {
   bool surfaces = true;           ///< false: neighbour prediction only
   bool curved = true;             ///< surfaces of degree two where they pay
   FrameBudget* budget = nullptr;  ///< shared by the stages of one encoder; none = no limit
+  WorkTeam team{};                ///< packs depth frames with more than one thread
   // Lists of points:
   double range_min_m = 0;  ///< distance from the zero of the input; points outside are taken out
   double range_max_m = std::numeric_limits<double>::infinity();

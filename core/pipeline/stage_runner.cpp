@@ -48,6 +48,7 @@ struct StageRunner::Core {
   void push(std::uint32_t index, std::uint32_t handle) noexcept;
   void work(std::uint32_t index) noexcept;
   void end_workers() noexcept;
+  int start_team() noexcept;
   void open_rings() noexcept;
   SpscRing& done() noexcept { return rings[stage_count]; }
 
@@ -62,6 +63,8 @@ struct StageRunner::Core {
 
   // Control thread's side.
   std::mutex control;
+  FrameTeam* team = nullptr;
+  const char* team_name = "";
   std::uint32_t threads_alive = 0;
   alignas(kCacheLineBytes) std::atomic<std::uint32_t> running{0};
   std::atomic<std::uint32_t> discard{0};
@@ -150,12 +153,22 @@ void StageRunner::Core::work(std::uint32_t index) noexcept {
   if (config.on_thread_stop != nullptr) config.on_thread_stop(name);
 }
 
+int StageRunner::Core::start_team() noexcept {
+  if (team == nullptr || config.mode != RunMode::kThreads) return 0;
+  const int before_last = static_cast<int>(stage_count) - 2;
+  const int core =
+      config.first_core < 0 ? -1 : config.first_core + (before_last > 0 ? before_last : 0);
+  return team->start({team_name, config.fifo_priority, core}, config.on_thread_start,
+                     config.on_thread_stop);
+}
+
 void StageRunner::Core::end_workers() noexcept {
   // Each worker closes the ring behind it once its own is closed and empty, so closing the first
   // one ends all of them in order. The done ring is closed again for inline mode and half a start.
   rings[0].close();
   for (std::uint32_t i = 0; i < threads_alive; ++i) workers[i].thread.join();
   threads_alive = 0;
+  if (team != nullptr) team->stop();
   done().close();
 }
 
@@ -206,6 +219,12 @@ Status StageRunner::init(Arena& arena, const RunnerConfig& config,
   return Status::kOk;
 }
 
+void StageRunner::share(FrameTeam& team, const char* name) noexcept {
+  if (core_ == nullptr) return;
+  core_->team = &team;
+  core_->team_name = name;
+}
+
 Result<Done> StageRunner::start() {
   if (core_ == nullptr) return {Status::kBadConfig, "pipeline: start() before a successful init()"};
   Core& core = *core_;
@@ -220,8 +239,9 @@ Result<Done> StageRunner::start() {
     worker->core->work(worker->index);
     return nullptr;
   };
+  int error = core.start_team();
   for (std::uint32_t i = 0; i < wanted; ++i) {
-    const int error = core.workers[i].thread.start(entry, &core.workers[i]);
+    if (error == 0) error = core.workers[i].thread.start(entry, &core.workers[i]);
     if (error != 0) {
       core.end_workers();
       core.pool.close();

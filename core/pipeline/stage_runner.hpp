@@ -10,6 +10,7 @@
 
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
+#include "core/pipeline/frame_team.hpp"
 #include "core/pipeline/stage.hpp"
 #include "core/pipeline/stage_stats.hpp"
 
@@ -72,6 +73,11 @@ class StageRunner {
   /// Lays the runner out for 1..kMaxStages stages, once. Over a measuring arena it only counts and
   /// the runner stays unusable. Returns kBadConfig, kOutOfArena, or kOk.
   Status init(Arena& arena, const RunnerConfig& config, std::span<const StageRef> stages) noexcept;
+
+  /// After init() and before the first start(): `team`, which must outlive the runner, helps the
+  /// last stage; start() and stop() include its thread, called `name`, on the core of the stage
+  /// before, which is done with the frame by then. Nothing in inline mode.
+  void share(FrameTeam& team, const char* name) noexcept;
 
   /// Starts the worker threads and returns when all are ready; nothing happens when running
   /// already. Fails with kBadConfig before init(), with kStopped when a thread cannot be created

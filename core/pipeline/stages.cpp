@@ -161,10 +161,11 @@ Status FitStage::process(FrameSlot& slot) noexcept {
   return status;
 }
 
-void PackStage::layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept {
+void PackStage::layout(Arena& arena, const FrameLimits& limits, FrameKind kind,
+                       std::uint32_t workers) noexcept {
   switch (kind) {
     case FrameKind::kDepth:
-      return packer_.layout(arena, limits.max_width, limits.max_height);
+      return packer_.layout(arena, limits.max_width, limits.max_height, workers);
     case FrameKind::kRawCloud:
       return raw_packer_.layout(arena, limits.max_width, limits.max_height);
     case FrameKind::kPoints:
@@ -192,7 +193,7 @@ Status PackStage::pack(const FrameIdentity& identity, FrameSlot& slot) noexcept 
   switch (tables_->config().kind) {
     case FrameKind::kDepth:
       return packer_.pack(tables_->coding(), slot.model(), identity, options_.slice_bytes,
-                          slot.packed, slot.places, slot.report, deadline_of(slot));
+                          slot.packed, slot.places, slot.report, deadline_of(slot), options_.team);
     case FrameKind::kRawCloud:
       return raw_packer_.pack(tables_->config(), slot.points, identity, options_.slice_bytes,
                               slot.packed, slot.places, slot.report);

@@ -69,7 +69,9 @@ class FitStage {
 class PackStage {
  public:
   static constexpr const char* kName = "pack";
-  void layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept;
+  /// `workers`: threads of the options' team.
+  void layout(Arena& arena, const FrameLimits& limits, FrameKind kind,
+              std::uint32_t workers = 1) noexcept;
   void bind(const StreamTables& tables, const StageOptions& options) noexcept;
   Status process(FrameSlot& slot) noexcept;
 

@@ -7,6 +7,7 @@
 namespace planecast {
 namespace {
 
+constexpr std::uint32_t kBands = 8;
 constexpr double kRayUnit = 1.0 / 134217728.0;  // 2^-27
 const float kHole = std::bit_cast<float>(std::uint32_t{0x7fc00000});
 
@@ -37,22 +38,20 @@ Point3f turn(const Axes& a, double x, double y, double z) noexcept {
           static_cast<float>(a.m[2][0] * x + a.m[2][1] * y + a.m[2][2] * z + a.t[2])};
 }
 
-}  // namespace
+// What all bands of rows share.
+struct Bands {
+  const RayTable& rays;
+  const DepthScale& scale;
+  std::span<const std::uint16_t> depth;
+  std::span<Point3f> out;
+  bool optical;
+  Axes axes;
+};
 
-void DepthScale::build(const StreamConfig& config) noexcept {
-  const ZGrid grid{config.camera.unit_pm, static_cast<ZGrid::Rule>(config.z_rule)};
-  z_[0] = kHole;
-  for (std::uint32_t d = 1; d < 65536; ++d) z_[d] = grid_z(grid, static_cast<std::uint16_t>(d));
-}
-
-Status regenerate(const StreamConfig& config, const RayTable& rays, const DepthScale& scale,
-                  std::span<const std::uint16_t> depth, std::span<Point3f> out) noexcept {
-  const std::size_t pixels = std::size_t{rays.width} * rays.height;
-  if (depth.size() < pixels || out.size() < pixels) return Status::kWrongSize;
-  const bool optical = config.axes == PoseFixed{} && !config.mirror_y;
-  const Axes axes = axes_of(config);
-  std::size_t i = 0;
-  for (std::uint32_t v = 0; v < rays.height; ++v) {
+void regenerate_rows(const Bands& all, std::uint32_t v0, std::uint32_t v1) noexcept {
+  const auto& [rays, scale, depth, out, optical, axes] = all;
+  std::size_t i = std::size_t{v0} * rays.width;
+  for (std::uint32_t v = v0; v < v1; ++v) {
     for (std::uint32_t u = 0; u < rays.width; ++u, ++i) {
       if (depth[i] == 0) {  // written out: which NaN arithmetic gives differs between machines
         out[i] = {kHole, kHole, kHole};
@@ -66,6 +65,31 @@ Status regenerate(const StreamConfig& config, const RayTable& rays, const DepthS
                        : turn(axes, x, y, z);
     }
   }
+}
+
+}  // namespace
+
+void DepthScale::build(const StreamConfig& config) noexcept {
+  const ZGrid grid{config.camera.unit_pm, static_cast<ZGrid::Rule>(config.z_rule)};
+  z_[0] = kHole;
+  for (std::uint32_t d = 1; d < 65536; ++d) z_[d] = grid_z(grid, static_cast<std::uint16_t>(d));
+}
+
+Status regenerate(const StreamConfig& config, const RayTable& rays, const DepthScale& scale,
+                  std::span<const std::uint16_t> depth, std::span<Point3f> out,
+                  const WorkTeam& team) noexcept {
+  const std::size_t pixels = std::size_t{rays.width} * rays.height;
+  if (depth.size() < pixels || out.size() < pixels) return Status::kWrongSize;
+  Bands bands{rays,           scale, depth, out, config.axes == PoseFixed{} && !config.mirror_y,
+              axes_of(config)};
+  team.run(
+      kBands,
+      [](void* job, std::uint32_t band, std::uint32_t) noexcept {
+        const auto& all = *static_cast<const Bands*>(job);
+        regenerate_rows(all, all.rays.height * band / kBands,
+                        all.rays.height * (band + 1) / kBands);
+      },
+      &bands);
   return Status::kOk;
 }
 

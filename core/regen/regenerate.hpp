@@ -7,6 +7,7 @@
 
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
+#include "core/base/work_team.hpp"
 #include "core/cloud/sensor_frame.hpp"
 #include "core/model/stream_config.hpp"
 #include "core/sensor/ray_table.hpp"
@@ -27,8 +28,10 @@ class DepthScale {
 
 /// Regenerates the cloud of a depth image: out[i] belongs to pixel i (row-major, width * height of
 /// the camera), in metres, in the cloud's own axes (config.axes; optical axes unless they were
-/// estimated); holes are NaN. No allocation; about 3 ns a pixel. kWrongSize: a span is too short.
+/// estimated); holes are NaN. No allocation; about 2 ns a pixel, by `team` in bands of rows.
+/// kWrongSize: a span is too short.
 Status regenerate(const StreamConfig& config, const RayTable& rays, const DepthScale& scale,
-                  std::span<const std::uint16_t> depth, std::span<Point3f> out) noexcept;
+                  std::span<const std::uint16_t> depth, std::span<Point3f> out,
+                  const WorkTeam& team = {}) noexcept;
 
 }  // namespace planecast

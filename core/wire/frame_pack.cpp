@@ -3,103 +3,70 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
+
+#include "core/wire/frame_pack_cost.hpp"
 
 namespace planecast {
 namespace {
 
 constexpr double kTileHeadBits = 120;
-constexpr double kFill = 7.2;             // bits planned for each byte of a slice
-constexpr std::uint32_t kBlockCost = 24;  // all costs in 1/16 bit
-constexpr std::uint32_t kReadingCost = 3;
-constexpr std::uint32_t kCorrectionCost = 40;
-constexpr std::uint32_t kDoublingCost = 20;  // of a correction of twice the steps
-constexpr std::uint32_t kMixedCost = 5;
+constexpr double kFill = 7.2;  // bits planned for each byte of a slice
 // Against a deadline no tile is more than this share of a frame, and a tile may take this much
 // longer than those before it.
 constexpr std::uint32_t kDeadlineTiles = 32;
 constexpr double kSlowTile = 1.5;
-constexpr std::size_t kStoredHead = 16;  // bytes
+constexpr std::size_t kStoredHead = 16;                                   // bytes
+constexpr std::size_t kMostBlockBytes = 64 * 2 + 8 + kPacketHeaderBytes;  // a slice of its own
 
 std::uint32_t ceil_blocks(std::uint32_t pixels) noexcept {
   return (pixels + 7) / 8;
 }
 
-// Estimated cost of a block in 1/16 bit, before any scale: readings whose neighbours do not predict
-// them within the bound, and the hole mask where a block is mixed.
-std::uint32_t block_cost(const CodingTables& tables, const FrameModel& frame, std::uint32_t bx,
-                         std::uint32_t by) noexcept {
-  const CameraModel& camera = tables.config->camera;
-  const std::uint32_t u1 = std::min<std::uint32_t>(bx * 8 + 8, camera.width);
-  const std::uint32_t v1 = std::min<std::uint32_t>(by * 8 + 8, camera.height);
-  const std::uint8_t* half_widths = tables.bounds->half_widths(tables.bounds->ray_class(bx, by));
-  const auto level_of = [&](std::uint16_t depth) { return int{tables.levels->nearest(depth)}; };
-  std::uint32_t readings = 0, corrections = 0, pixels = 0;
-  // Every fourth row tells enough.
-  for (std::uint32_t v = by * 8 + (by * 8 + 1 < v1 ? 1 : 0); v < v1; v += 4) {
-    const std::uint16_t* row = &frame.depth[std::size_t{v} * camera.width];
-    const std::uint16_t* above = v > 0 ? row - camera.width : row;
-    int left = bx > 0 ? level_of(row[bx * 8 - 1]) : 0;
-    for (std::uint32_t u = bx * 8; u < u1; ++u) {
-      ++pixels;
-      const int level = level_of(row[u]), up = level_of(above[u]);
-      const int expected = left != 0 && up != 0 ? (left + up) / 2 : left + up;
-      left = level;
-      if (level == 0) continue;
-      ++readings;
-      const auto error = static_cast<std::uint32_t>(std::abs(level - expected));
-      const std::uint32_t half = half_widths[level];
-      if (error <= half) continue;
-      corrections +=
-          kCorrectionCost +
-          kDoublingCost * static_cast<std::uint32_t>(std::bit_width(error) - std::bit_width(half));
-    }
-  }
-  if (readings == 0) return 2;
-  return kBlockCost + 4 * (readings * kReadingCost + corrections +
-                           (readings < pixels ? pixels * kMixedCost : 0));
-}
-
-// Sums over tiles that least squares needs: costs off surfaces (a) and on (b), bits (y).
-struct Moments {
-  double aa = 0, ab = 0, bb = 0, ay = 0, by = 0;
-  void add(double a, double b, double y) noexcept {
-    aa += a * a;
-    ab += a * b;
-    bb += b * b;
-    ay += a * y;
-    by += b * y;
-  }
-};
-
 }  // namespace
 
+// What is fixed for the time of one call of pack().
 struct FramePacker::Job {
   const CodingTables& tables;
   const FrameModel& frame;
-  const FrameIdentity& identity;
   std::size_t slice_bytes;
   std::span<std::uint8_t> out;
   std::span<SlicePlace> places;
   FrameReport& report;
+  const WorkTeam& team;
   bool one_slice = false;  ///< any frame fits: nothing to estimate
-  Moments moments = {};
   PackDeadline deadline = {};
   std::int64_t begin_ns = 0;
-  std::uint32_t blocks = 0, blocks_done = 0;
+  std::uint32_t blocks = 0;
+  FramePacker* packer = nullptr;
+  std::uint32_t part_count = 0;
+  std::array<Part, kMaxFrameParts>* parts = nullptr;
+};
+
+// A rectangle that one worker packs, into room of its own.
+struct FramePacker::Part {
+  const Job* job = nullptr;
+  TileRect rect = {};
+  TilePacker* tiles = nullptr;
+  std::span<std::uint8_t> out = {};
+  std::span<SlicePlace> places = {};
+  FrameReport report = {};
+  PackMoments moments = {};
+  std::uint32_t blocks_done = 0;
+  Status status = Status::kOk;
 };
 
 std::size_t frame_capacity(std::uint32_t width, std::uint32_t height) noexcept {
   const std::size_t blocks = std::size_t{ceil_blocks(width)} * ceil_blocks(height);
-  return blocks * (64 * 2 + 8 + kPacketHeaderBytes) + kMinSliceBytes;
+  return blocks * kMostBlockBytes + kMaxFrameParts * kMinSliceBytes;
 }
 
 std::size_t slice_capacity(std::uint32_t width, std::uint32_t height) noexcept {
   return std::min<std::size_t>(std::size_t{ceil_blocks(width)} * ceil_blocks(height), 65535);
 }
 
-void FramePacker::layout(Arena& arena, std::uint32_t max_width, std::uint32_t max_height) noexcept {
-  tiles_.layout(arena, max_width);
+void FramePacker::layout(Arena& arena, std::uint32_t max_width, std::uint32_t max_height,
+                         std::uint32_t workers) noexcept {
+  for (std::uint32_t i = 0; i < workers; ++i) tiles_[i].layout(arena, max_width);
   cost_sums_ =
       arena.take<Costs>((std::size_t{ceil_blocks(max_width)} + 1) * (ceil_blocks(max_height) + 1));
 }
@@ -107,10 +74,15 @@ void FramePacker::layout(Arena& arena, std::uint32_t max_width, std::uint32_t ma
 Status FramePacker::pack(const CodingTables& tables, const FrameModel& frame,
                          const FrameIdentity& identity, std::size_t slice_bytes,
                          std::span<std::uint8_t> out, std::span<SlicePlace> places,
-                         FrameReport& report, const PackDeadline& deadline) noexcept {
+                         FrameReport& report, const PackDeadline& deadline,
+                         const WorkTeam& team) noexcept {
   if (slice_bytes < kMinSliceBytes) return Status::kBadConfig;
-  Job job{tables, frame, identity, slice_bytes, out, places, report};
+  std::array<Part, kMaxFrameParts> parts;
+  Job job{tables, frame, slice_bytes, out, places, report, team};
+  job.packer = this;
+  job.parts = &parts;
   const CameraModel& camera = tables.config->camera;
+  job.blocks = blocks_wide(camera) * blocks_high(camera);
   job.one_slice = slice_bytes >= frame_capacity(camera.width, camera.height) &&
                   std::max(camera.width, camera.height) <= kMaxTileSide &&
                   deadline.clock == nullptr;
@@ -139,19 +111,100 @@ Status FramePacker::pack(const CodingTables& tables, const FrameModel& frame,
   return Status::kOk;
 }
 
+// The parts are the same whoever packs them, and so are their slices: bytes do not depend on
+// threads.
 Status FramePacker::pack_whole(Job& job) noexcept {
   job.report = {};
   job.report.surfaces = static_cast<std::uint32_t>(job.frame.surfaces.size());
-  job.moments = {};
-  job.blocks_done = 0;
+  job.part_count = 0;
   const CameraModel& camera = job.tables.config->camera;
-  job.blocks = blocks_wide(camera) * blocks_high(camera);
-  return pack_rect(job, {0, 0, blocks_wide(camera), blocks_high(camera)});
+  // A deadline is kept by looking back at the whole frame so far.
+  const std::uint32_t depth = job.one_slice || job.deadline.clock != nullptr
+                                  ? 0
+                                  : static_cast<std::uint32_t>(std::bit_width(kMaxFrameParts)) - 1;
+  cut(job, {0, 0, blocks_wide(camera), blocks_high(camera)}, depth);
+  const bool roomy = job.out.size() >= frame_capacity(camera.width, camera.height) &&
+                     job.places.size() >= job.blocks;
+  if (job.team.shared() && job.part_count > 1 && roomy) {
+    pack_shared(job);
+  } else {
+    pack_alone(job);
+  }
+  return join(job);
+}
+
+// The first cuts that pack_rect() would make, down to `depth`.
+void FramePacker::cut(Job& job, const TileRect& rect, std::uint32_t depth) const noexcept {
+  const bool single = rect.bw == 1 && rect.bh == 1;
+  if (depth == 0 || single || (small_enough(job, rect) && likely_fits(job, rect, false))) {
+    Part& part = (*job.parts)[job.part_count++];
+    part = {};
+    part.job = &job;
+    part.rect = rect;
+    return;
+  }
+  for (const TileRect& half : halves(job, rect)) cut(job, half, depth - 1);
+}
+
+void FramePacker::pack_shared(Job& job) noexcept {
+  std::size_t offset = 0, place = 0;
+  for (std::uint32_t i = 0; i < job.part_count; ++i) {
+    Part& part = (*job.parts)[i];
+    const std::size_t blocks = std::size_t{part.rect.bw} * part.rect.bh;
+    const std::size_t bytes = blocks * kMostBlockBytes + kMinSliceBytes;
+    part.out = job.out.subspan(offset, bytes);
+    part.places = job.places.subspan(place, blocks);
+    offset += bytes;
+    place += blocks;
+  }
+  job.team.run(
+      job.part_count,
+      [](void* self, std::uint32_t i, std::uint32_t worker) noexcept {
+        auto& whole = *static_cast<Job*>(self);
+        Part& part = (*whole.parts)[i];
+        part.tiles = &whole.packer->tiles_[worker];
+        part.status = whole.packer->pack_rect(part, part.rect);
+      },
+      &job);
+}
+
+void FramePacker::pack_alone(Job& job) noexcept {
+  std::size_t offset = 0, place = 0;
+  for (std::uint32_t i = 0; i < job.part_count; ++i) {
+    Part& part = (*job.parts)[i];
+    part.tiles = tiles_.data();
+    part.out = job.out.subspan(offset);
+    part.places = job.places.subspan(place);
+    part.status = pack_rect(part, part.rect);
+    if (part.status != Status::kOk) return;
+    offset += part.report.bytes;
+    place += part.report.slices;
+  }
+}
+
+// Slices of all parts in a row: their bytes stay where they are, their places move together.
+Status FramePacker::join(Job& job) const noexcept {
+  FrameReport& all = job.report;
+  for (std::uint32_t i = 0; i < job.part_count; ++i) {
+    const Part& part = (*job.parts)[i];
+    if (part.status != Status::kOk) return part.status;
+    const auto begin = static_cast<std::uint32_t>(part.out.data() - job.out.data());
+    // 65535 slices, not one a block, are the most of a frame.
+    if (all.slices + part.report.slices > 65535) return Status::kTooLarge;
+    for (std::uint32_t s = 0; s < part.report.slices; ++s)
+      job.places[all.slices++] = {begin + part.places[s].offset, part.places[s].bytes};
+    all.bytes += part.report.bytes;
+    all.points += part.report.points;
+    all.corrections += part.report.corrections;
+    all.stored_tiles += part.report.stored_tiles;
+  }
+  return Status::kOk;
 }
 
 // Moves both scales towards those that fit this frame's tiles best, by one in `share`.
 void FramePacker::calibrate(const Job& job, double share) noexcept {
-  const Moments& m = job.moments;
+  PackMoments m;
+  for (std::uint32_t i = 0; i < job.part_count; ++i) m.add((*job.parts)[i].moments);
   const double ridge = 1e-3 * (m.aa + m.bb) + 1;  // keeps a kind that hardly occurs near the mean
   const double mean = (m.ay + m.by) / (m.aa + 2 * m.ab + m.bb + 1);
   const double aa = m.aa + ridge, bb = m.bb + ridge;
@@ -210,9 +263,10 @@ double FramePacker::budget_bits(const Job& job) noexcept {
 
 // Whether what is left could not be stored in time any more after coding this tile at the pace so
 // far; the first tiles, without a pace, are small.
-bool FramePacker::too_late(const Job& job, const TileRect& rect) noexcept {
+bool FramePacker::too_late(const Part& part, const TileRect& rect) noexcept {
+  const Job& job = *part.job;
   if (job.deadline.clock == nullptr) return false;
-  const double tile = rect.bw * rect.bh, done = job.blocks_done;
+  const double tile = rect.bw * rect.bh, done = part.blocks_done;
   const auto gone = static_cast<double>(job.deadline.clock() - job.begin_ns);
   const auto left = static_cast<double>(job.deadline.end_ns - job.begin_ns) - gone;
   const double coding = done > 0 ? kSlowTile * gone * tile / done : 0;
@@ -221,43 +275,59 @@ bool FramePacker::too_late(const Job& job, const TileRect& rect) noexcept {
   return coding + storing > left;
 }
 
-Status FramePacker::pack_rect(Job& job, const TileRect& rect) noexcept {
-  const bool fits_syntax = rect.bw <= kMaxTileBlocks && rect.bh <= kMaxTileBlocks;
-  const std::size_t body = job.slice_bytes - kPacketHeaderBytes;
-  const bool small = job.deadline.clock == nullptr ||
-                     rect.bw * rect.bh * kDeadlineTiles <= std::max(job.blocks, kDeadlineTiles);
-  const bool stored = small && too_late(job, rect);
-  const bool likely =
-      job.one_slice || (small && (stored ? (rect.bw * rect.bh * 128 + kStoredHead <= body)
-                                         : estimate(job, rect) <= budget_bits(job)));
-  const bool single = rect.bw == 1 && rect.bh == 1;
-  if (!fits_syntax || (!likely && !single)) return pack_halves(job, rect);
+// Whether a tile may be so large, by the syntax and against a deadline.
+bool FramePacker::small_enough(const Job& job, const TileRect& rect) noexcept {
+  return rect.bw <= kMaxTileBlocks && rect.bh <= kMaxTileBlocks &&
+         (job.deadline.clock == nullptr ||
+          rect.bw * rect.bh * kDeadlineTiles <= std::max(job.blocks, kDeadlineTiles));
+}
 
-  if (job.report.slices >= job.places.size()) return Status::kTooLarge;
-  const std::size_t offset = job.report.bytes;
-  if (job.out.size() < offset + kPacketHeaderBytes) return Status::kTooLarge;
-  const std::size_t room = std::min(body, job.out.size() - offset - kPacketHeaderBytes);
+bool FramePacker::likely_fits(const Job& job, const TileRect& rect, bool stored) const noexcept {
+  if (job.one_slice) return true;
+  if (stored) return rect.bw * rect.bh * 128 + kStoredHead <= job.slice_bytes - kPacketHeaderBytes;
+  return estimate(job, rect) <= budget_bits(job);
+}
+
+Status FramePacker::pack_rect(Part& part, const TileRect& rect) noexcept {
+  const Job& job = *part.job;
+  const bool single = rect.bw == 1 && rect.bh == 1;
+  const bool small = small_enough(job, rect);
+  const bool stored = small && too_late(part, rect);
+  if (!single && !(small && likely_fits(job, rect, stored))) return pack_halves(part, rect);
+
+  FrameReport& report = part.report;
+  if (report.slices >= part.places.size()) return Status::kTooLarge;
+  const std::size_t offset = report.bytes;
+  if (part.out.size() < offset + kPacketHeaderBytes) return Status::kTooLarge;
+  const std::size_t room =
+      std::min(job.slice_bytes - kPacketHeaderBytes, part.out.size() - offset - kPacketHeaderBytes);
   TileReport tile;
-  const std::span<std::uint8_t> into = job.out.subspan(offset + kPacketHeaderBytes, room);
-  const Status status = stored ? tiles_.store(job.tables, job.frame, rect, into, tile)
-                               : tiles_.pack(job.tables, job.frame, rect, into, tile);
-  if (status == Status::kTooLarge && !single) return pack_halves(job, rect);
+  const std::span<std::uint8_t> into = part.out.subspan(offset + kPacketHeaderBytes, room);
+  const Status status = stored ? part.tiles->store(job.tables, job.frame, rect, into, tile)
+                               : part.tiles->pack(job.tables, job.frame, rect, into, tile);
+  if (status == Status::kTooLarge && !single) return pack_halves(part, rect);
   if (status != Status::kOk) return status;
   const auto bytes = static_cast<std::uint32_t>(kPacketHeaderBytes + tile.bytes);
-  job.places[job.report.slices++] = {static_cast<std::uint32_t>(offset), bytes};
-  job.report.bytes += bytes;
-  job.report.points += tile.points;
-  job.report.corrections += tile.corrections;
-  job.report.stored_tiles += stored ? 1 : 0;
-  job.blocks_done += rect.bw * rect.bh;
+  part.places[report.slices++] = {static_cast<std::uint32_t>(offset), bytes};
+  report.bytes += bytes;
+  report.points += tile.points;
+  report.corrections += tile.corrections;
+  report.stored_tiles += stored ? 1 : 0;
+  part.blocks_done += rect.bw * rect.bh;
   if (job.one_slice || stored) return Status::kOk;
   const auto [off, on] = costs(job, rect);
-  job.moments.add(off, on, static_cast<double>(tile.bytes) * 8 - kTileHeadBits);
+  part.moments.add(off, on, static_cast<double>(tile.bytes) * 8 - kTileHeadBits);
   return Status::kOk;
 }
 
+Status FramePacker::pack_halves(Part& part, const TileRect& rect) noexcept {
+  const auto [first, second] = halves(*part.job, rect);
+  const Status status = pack_rect(part, first);
+  return status == Status::kOk ? pack_rect(part, second) : status;
+}
+
 // Splits across the longer side, so that full slices come out: of n slices, n / 2 go first.
-Status FramePacker::pack_halves(Job& job, const TileRect& rect) noexcept {
+std::array<TileRect, 2> FramePacker::halves(const Job& job, const TileRect& rect) const noexcept {
   TileRect first = rect, second = rect;
   const bool wide = rect.bw >= rect.bh;
   const std::uint32_t side = wide ? rect.bw : rect.bh;
@@ -275,8 +345,7 @@ Status FramePacker::pack_halves(Job& job, const TileRect& rect) noexcept {
   (wide ? first.bw : first.bh) = cut;
   (wide ? second.bx : second.by) += cut;
   (wide ? second.bw : second.bh) = side - cut;
-  const Status status = pack_rect(job, first);
-  return status == Status::kOk ? pack_rect(job, second) : status;
+  return {first, second};
 }
 
 }  // namespace planecast

@@ -9,6 +9,7 @@
 
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
+#include "core/base/work_team.hpp"
 #include "core/wire/packet_header.hpp"
 #include "core/wire/tile_pack.hpp"
 
@@ -18,6 +19,9 @@ namespace planecast {
 inline constexpr std::size_t kMinSliceBytes = 256;
 /// Slice limit of the file form: as few slices as the format allows.
 inline constexpr std::size_t kFileSliceBytes = std::size_t{1} << 24U;
+
+/// Parts that a frame is cut into before any is packed: enough that two workers end together.
+inline constexpr std::uint32_t kMaxFrameParts = 8;
 
 /// Identity of a frame on the wire.
 struct FrameIdentity {
@@ -60,17 +64,23 @@ std::size_t slice_capacity(std::uint32_t width, std::uint32_t height) noexcept;
 /// their slices at the first try. One thread; memory from the arena at start.
 class FramePacker {
  public:
-  void layout(Arena& arena, std::uint32_t max_width, std::uint32_t max_height) noexcept;
+  /// `workers`: how many threads a team given to pack() has, 1 to kMaxTeamWorkers.
+  void layout(Arena& arena, std::uint32_t max_width, std::uint32_t max_height,
+              std::uint32_t workers = 1) noexcept;
 
   /// Packs `frame` into `out` as slices of at most `slice_bytes` (kMinSliceBytes or more), each
-  /// sealed. `places` receives them in order. kTooLarge: `out` or `places` is too small. No
-  /// allocation.
+  /// sealed. `places` receives them in order; they fill `out` without gaps unless a team shared the
+  /// work, and are the same either way. With a deadline the caller works alone, and so where `out`
+  /// is below frame_capacity() or `places` below a slice a block. kTooLarge: `out` or `places` is
+  /// too small. No allocation.
   Status pack(const CodingTables& tables, const FrameModel& frame, const FrameIdentity& identity,
               std::size_t slice_bytes, std::span<std::uint8_t> out, std::span<SlicePlace> places,
-              FrameReport& report, const PackDeadline& deadline = {}) noexcept;
+              FrameReport& report, const PackDeadline& deadline = {},
+              const WorkTeam& team = {}) noexcept;
 
  private:
   struct Job;
+  struct Part;
   /// Estimated costs in 1/16 bit: of blocks on no surface, and of blocks on one.
   struct Costs {
     std::uint32_t of[2] = {};
@@ -80,13 +90,20 @@ class FramePacker {
   std::array<double, 2> costs(const Job& job, const TileRect& rect) const noexcept;
   double estimate(const Job& job, const TileRect& rect) const noexcept;
   Status pack_whole(Job& job) noexcept;
+  void cut(Job& job, const TileRect& rect, std::uint32_t depth) const noexcept;
+  void pack_shared(Job& job) noexcept;
+  void pack_alone(Job& job) noexcept;
+  Status join(Job& job) const noexcept;
   void calibrate(const Job& job, double share) noexcept;
   static double budget_bits(const Job& job) noexcept;
-  static bool too_late(const Job& job, const TileRect& rect) noexcept;
-  Status pack_rect(Job& job, const TileRect& rect) noexcept;
-  Status pack_halves(Job& job, const TileRect& rect) noexcept;
+  static bool too_late(const Part& part, const TileRect& rect) noexcept;
+  static bool small_enough(const Job& job, const TileRect& rect) noexcept;
+  bool likely_fits(const Job& job, const TileRect& rect, bool stored) const noexcept;
+  std::array<TileRect, 2> halves(const Job& job, const TileRect& rect) const noexcept;
+  Status pack_rect(Part& part, const TileRect& rect) noexcept;
+  Status pack_halves(Part& part, const TileRect& rect) noexcept;
 
-  TilePacker tiles_;
+  std::array<TilePacker, kMaxTeamWorkers> tiles_;
   std::span<Costs> cost_sums_;  ///< summed-area table of block costs, one more each way
   double scales_[2] = {1, 1};   ///< measured bits over estimated bits, off surfaces and on
   bool calibrated_ = false;     ///< scales_ come from a frame

@@ -28,6 +28,17 @@ class FrameUnpacker {
     return tiles_.unpack(tables, packet.subspan(kPacketHeaderBytes), target, content);
   }
 
+  /// The rectangle that a sealed slice will fill when it decodes. Statuses as unpack_slice.
+  /// O(bytes).
+  static Status peek(const CodingTables& tables, std::uint32_t key_hash,
+                     std::span<const std::uint8_t> packet, TileRect& rect) noexcept {
+    PacketHeader header;
+    if (const Status status = open_packet(packet, header); status != Status::kOk) return status;
+    if (header.key) return Status::kFieldRange;
+    if (header.key_hash != key_hash) return Status::kUnknownKey;
+    return TileUnpacker::peek(tables.config->camera, packet.subspan(kPacketHeaderBytes), rect);
+  }
+
  private:
   TileUnpacker tiles_;
 };

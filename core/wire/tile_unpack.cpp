@@ -74,13 +74,19 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   return status;
 }
 
-Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
-  const CameraModel& camera = job.tables.config->camera;
-  TileContent& content = job.content;
-  content.verbatim = coder.raw(1) == kVerbatimTile;
+Status TileUnpacker::peek(const CameraModel& camera, std::span<const std::uint8_t> in,
+                          TileRect& rect) noexcept {
+  RangeDecoder coder(in);
+  bool verbatim = false;
+  const Status status = read_place(camera, coder, verbatim, rect);
+  return status == Status::kOk && coder.truncated() ? Status::kTruncated : status;
+}
+
+Status TileUnpacker::read_place(const CameraModel& camera, RangeDecoder& coder, bool& verbatim,
+                                TileRect& rect) noexcept {
+  verbatim = coder.raw(1) == kVerbatimTile;
   const int xb = position_bits(blocks_wide(camera));
   const int yb = position_bits(blocks_high(camera));
-  TileRect rect;
   rect.bx = coder.raw(xb);
   rect.by = coder.raw(yb);
   rect.bw = coder.raw(std::min(xb, 8)) + 1;
@@ -88,6 +94,16 @@ Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
   if (rect.bx + rect.bw > blocks_wide(camera) || rect.by + rect.bh > blocks_high(camera)) {
     return Status::kFieldRange;
   }
+  return Status::kOk;
+}
+
+Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
+  const CameraModel& camera = job.tables.config->camera;
+  TileContent& content = job.content;
+  TileRect rect;
+  if (const Status status = read_place(camera, coder, content.verbatim, rect);
+      status != Status::kOk)
+    return status;
   content.rect = rect;
   job.span = tile_span(camera, rect);
   if (content.verbatim) return Status::kOk;

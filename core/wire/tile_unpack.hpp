@@ -42,6 +42,11 @@ class TileUnpacker {
   Status unpack(const CodingTables& tables, std::span<const std::uint8_t> in,
                 const TileTarget& target, TileContent& content) noexcept;
 
+  /// The place that `in` says it has, before it is decoded: kFieldRange outside the image;
+  /// kTruncated. O(1).
+  static Status peek(const CameraModel& camera, std::span<const std::uint8_t> in,
+                     TileRect& rect) noexcept;
+
   /// The models as the tile decoded last left them; what training the starts reads.
   const TileModels& models() const noexcept { return models_; }
 
@@ -49,6 +54,8 @@ class TileUnpacker {
   struct Job;
   struct Segment;
 
+  static Status read_place(const CameraModel& camera, RangeDecoder& coder, bool& verbatim,
+                           TileRect& rect) noexcept;
   Status read_head(Job& job, RangeDecoder& coder) noexcept;
   Status read_verbatim(Job& job, RangeDecoder& coder) noexcept;
   Status read_block(Job& job, RangeDecoder& coder, BlockState& block,

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "core/pipeline/frame_team.hpp"
 #include "tests/core/pipeline/codec_bench.hpp"
 
 namespace planecast {
@@ -241,6 +242,66 @@ TEST(Decoder, AFrameOfHolesAndAFrameOfOnePixelAreFrames) {
       if (c.tolerance == ToleranceKind::kLossless && c.kind == FrameKind::kDepth) {
         EXPECT_EQ(decoder->depth()[0], depth);
       }
+    }
+  }
+}
+
+using Slices = std::vector<std::vector<std::uint8_t>>;
+
+SliceList list_of(const Slices& slices) {
+  return {&slices, static_cast<std::uint32_t>(slices.size()),
+          [](const void* self, std::uint32_t i) noexcept {
+            return std::span<const std::uint8_t>((*static_cast<const Slices*>(self))[i]);
+          }};
+}
+
+/// Both decode the same slices, one by one and by a team: nothing may tell them apart.
+void expect_same(Decoder& alone, Decoder& shared, const Slices& slices, const char* what) {
+  ASSERT_EQ(alone.begin(), Status::kOk);
+  ASSERT_EQ(shared.begin(), Status::kOk);
+  Status first = Status::kOk;
+  for (const auto& slice : slices) {
+    const Status status = slice.empty() ? Status::kOk : alone.add(slice);
+    if (first == Status::kOk) first = status;
+  }
+  EXPECT_EQ(shared.add_all(list_of(slices)), first) << what;
+  EXPECT_EQ(alone.finish(), Status::kOk);
+  EXPECT_EQ(shared.finish(), Status::kOk);
+  EXPECT_TRUE(std::ranges::equal(alone.depth(), shared.depth())) << what;
+  EXPECT_TRUE(std::ranges::equal(alone.labels(), shared.labels())) << what;
+  EXPECT_TRUE(same_cloud(alone.cloud(), shared.cloud())) << what;
+  const DecodedCounts &a = alone.counts(), &b = shared.counts();
+  EXPECT_EQ(a.slices, b.slices) << what;
+  EXPECT_EQ(a.refused, b.refused) << what;
+  EXPECT_EQ(a.unknown_key, b.unknown_key) << what;
+  EXPECT_EQ(a.points, b.points) << what;
+  EXPECT_EQ(a.corrections, b.corrections) << what;
+  EXPECT_EQ(a.surfaces, b.surfaces) << what;
+}
+
+TEST(Decoder, ATeamDecodesAsOneThreadDoesWhateverComes) {
+  FrameTeam team;
+  ASSERT_EQ(team.start({.name = "unpack2"}), 0);
+  for (const StreamCase& c : kStreamCases) {
+    const std::size_t most = c.kind == FrameKind::kRawCloud ? 1190 : 300;
+    const Recording recording(c, most), foreign(c, most, 8);
+    const auto alone = make_decoder(kSmall);
+    const auto shared = make_decoder({kSmall.limits, team.work()});
+    ASSERT_EQ(alone->set_key(recording.key), Status::kOk);
+    ASSERT_EQ(shared->set_key(recording.key), Status::kOk);
+    for (const Coded& frame : recording.frames) {
+      expect_same(*alone, *shared, frame.slices, c.name);
+      Slices changed = frame.slices;
+      changed[changed.size() / 2].clear();
+      expect_same(*alone, *shared, changed, "a slice is lost");
+      changed = frame.slices;
+      changed.push_back(changed.front());
+      expect_same(*alone, *shared, changed, "two claim the same pixels");
+      changed = frame.slices;
+      changed[changed.size() / 2].back() ^= 1U;
+      expect_same(*alone, *shared, changed, "a slice is spoilt");
+      changed.insert(changed.begin(), foreign.frames[0].slices[0]);
+      expect_same(*alone, *shared, changed, "a slice needs another key");
     }
   }
 }

@@ -16,7 +16,9 @@ namespace planecast::test {
 
 /// The threads that touch frames and are there from start to end.
 inline constexpr const char* kDaemonThreads = "source,filter,segment,fit,pack,sender,publisher";
-inline constexpr const char* kReceiverThreads = "subscriber,receive";
+inline constexpr const char* kReceiverThreads = "subscriber,receive,unpack2";
+/// Helps to pack depth frames.
+inline constexpr const char* kPackHelper = ",pack2";
 
 /// Counts of one thread by name: "allocations", "writes", "minor_faults", ...
 using ThreadCounts = std::map<std::string, long long>;

@@ -74,12 +74,14 @@ void wait_until_listening(Child& receiver) {
 /// Streams `frames` frames at `rate` and looks at every thread of both ends; `least` must come out.
 void run_stream(const Stream& stream, long long frames, const std::string& rate, long long least) {
   const std::string repeat = std::to_string((frames + 49) / 50);
+  const bool depth = std::string_view(stream.name) == "Organised";
+  const std::string daemon_threads = kDaemonThreads + std::string(depth ? test::kPackHelper : "");
   Guarded receiver({PLANECAST_RECV, "--mlock", "--max-size", "320x240"}, kReceiverThreads);
   wait_until_listening(receiver.child());
   Guarded daemon(
       std::vector<std::string>{PLANECASTD, "--mlock", "--rate", rate, "--repeat", repeat} +
           stream.input,
-      kDaemonThreads);
+      daemon_threads);
   ASSERT_EQ(daemon.child().wait(std::chrono::seconds(1200)), 0) << daemon.child().talk();
   ::usleep(300'000);
   receiver.child().signal(SIGTERM);
@@ -90,7 +92,7 @@ void run_stream(const Stream& stream, long long frames, const std::string& rate,
   EXPECT_EQ(number_after(talk, "frames in"), out + number_after(talk, "frames dropped")) << talk;
   EXPECT_NE(talk.find("in = out + failed + dropped: holds"), std::string::npos) << talk;
   EXPECT_EQ(number_after(talk, "frames failed"), 0) << talk;
-  expect_clean(daemon.report(), kDaemonThreads, locked(daemon.child()));
+  expect_clean(daemon.report(), daemon_threads, locked(daemon.child()));
   expect_clean(receiver.report(), kReceiverThreads, locked(receiver.child()));
   if (!locked(daemon.child()) || !locked(receiver.child()))
     std::printf("page faults were not judged: mlockall is not permitted here\n");
