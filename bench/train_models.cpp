@@ -1,6 +1,6 @@
-// Trains the probabilities that every tile starts from and writes core/wire/tile_models_trained.inc
-// to standard output:
-//   train_models LIST > core/wire/tile_models_trained.inc
+// Trains the probabilities that every tile starts from and writes them to standard output:
+//   train_models LIST decisions > core/wire/tile_models_trained.inc
+//   train_models LIST residuals > core/wire/residual_models_trained.inc
 // LIST (train_models.list) holds a command line a row: inputs and codec options. The
 // decoder's models at the end of each slice are samples of what a start should be: their mean is
 // the probability, their spread between slices says how soon a tile should trust itself instead.
@@ -50,6 +50,52 @@ struct Context {
 
 using Contexts = std::vector<Context>;
 
+// One context of a residual's symbol over all slices.
+struct SymbolContext {
+  double weight = 0;
+  double bounds[16] = {};  // of 1..15
+
+  void add(const SymbolModel& ended, double seen) {
+    weight += seen;
+    for (int i = 1; i < 16; ++i) bounds[i] += seen * ended.bounds[i];
+  }
+  // The mean, drawn a little to an even distribution; old enough to be kept where it is known.
+  SymbolModel start() const {
+    SymbolModel out;
+    constexpr double kEven = 0.5;
+    for (int i = 1; i < 16; ++i) {
+      const double mean = (bounds[i] + kEven * 2048 * i) / (weight + kEven);
+      out.bounds[i] = static_cast<std::int16_t>(
+          std::clamp<long>(std::lround(mean), out.bounds[i - 1] + (i > 1 ? 8 : 8 - out.bounds[0]),
+                           32768 - 8 * (16 - i)));
+    }
+    constexpr double kKnown = 40;
+    out.bounds[0] = static_cast<std::int16_t>(weight < kKnown ? 0 : 12);
+    return out;
+  }
+};
+
+// What is learnt: decisions of lossless and of bounded streams, and lossless residuals.
+struct Learnt {
+  Contexts decisions[2] = {Contexts(kTileModelCount), Contexts(kTileModelCount)};
+  std::vector<SymbolContext> residuals = std::vector<SymbolContext>(kResidualContexts);
+
+  void add(const TileUnpacker& unpacker, bool lossless) {
+    const auto began =
+        std::bit_cast<std::array<BitModel, kTileModelCount>>(trained_models(lossless));
+    const auto ended = std::bit_cast<std::array<BitModel, kTileModelCount>>(unpacker.models());
+    for (std::size_t i = 0; i < kTileModelCount; ++i) {
+      const double seen = ended[i].age == detail::kMaxBitAge ? 126.0 : ended[i].age - began[i].age;
+      if (seen > 0) decisions[lossless ? 0 : 1][i].add(ended[i].slow / 65536.0, seen);
+    }
+    for (std::size_t i = 0; lossless && i < residuals.size(); ++i) {
+      const SymbolModel& model = unpacker.residuals().of[i];
+      const int seen = model.bounds[0] - trained_residuals().of[i].bounds[0];
+      if (seen > 0) residuals[i].add(model, seen);
+    }
+  }
+};
+
 std::uint16_t start_of(const Context& context) {
   constexpr double kTrusts[16] = {0, 1, 2, 3, 5, 7, 11, 14, 18, 24, 30, 38, 48, 70, 90, 120};
   const double trust = context.trust();
@@ -70,7 +116,7 @@ std::string data_folder() {
 }
 
 // Adds every slice of one command line's frames.
-bool learn(const std::string& line, Contexts (&sets)[2]) {
+bool learn(const std::string& line, bool lossless_only, Learnt& learnt) {
   std::istringstream words(line);
   std::vector<std::string> arguments{std::istream_iterator<std::string>(words), {}};
   std::vector<const char*> argv{"train_models"};
@@ -91,6 +137,7 @@ bool learn(const std::string& line, Contexts (&sets)[2]) {
   if (!more.ok()) return fail(more.error().message), false;
   const auto setup = setup_stream(options, (*source)->sensor(), frame);
   if (!setup.ok()) return fail(setup.error().message), false;
+  if (lossless_only && setup->encoder.stream.tolerance != ToleranceKind::kLossless) return true;
   auto codec = FrameCodec::create(*setup, options.slice_bytes - 10);
   if (!codec.ok()) return fail(codec.error().message), false;
   const StreamTables& tables = codec->encoder().tables();
@@ -111,15 +158,7 @@ bool learn(const std::string& line, Contexts (&sets)[2]) {
           content.verbatim) {
         continue;
       }
-      const TileModels& start = trained_models(tables.bounds().lossless());
-      const auto began = std::bit_cast<std::array<BitModel, kTileModelCount>>(start);
-      const auto ended = std::bit_cast<std::array<BitModel, kTileModelCount>>(unpacker.models());
-      Contexts& set = sets[tables.bounds().lossless() ? 0 : 1];
-      for (std::size_t i = 0; i < kTileModelCount; ++i) {
-        const double seen =
-            ended[i].age == detail::kMaxBitAge ? 126.0 : ended[i].age - began[i].age;
-        if (seen > 0) set[i].add(ended[i].slow / 65536.0, seen);
-      }
+      learnt.add(unpacker, tables.bounds().lossless());
     }
   }
   return true;
@@ -128,14 +167,25 @@ bool learn(const std::string& line, Contexts (&sets)[2]) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return fail("usage: train_models LIST > core/wire/tile_models_trained.inc");
+  const std::string what = argc == 3 ? argv[2] : "";
+  if (what != "decisions" && what != "residuals")
+    return fail("usage: train_models LIST decisions|residuals");
   std::ifstream list(argv[1]);
   if (!list) return fail(fmt::format("{}: cannot be read", argv[1]));
-  Contexts sets[2] = {Contexts(kTileModelCount), Contexts(kTileModelCount)};
+  Learnt learnt;
   for (std::string line; std::getline(list, line);) {
-    if (!line.empty() && line[0] != '#' && !learn(line, sets)) return 1;
+    if (!line.empty() && line[0] != '#' && !learn(line, what == "residuals", learnt)) return 1;
   }
-  for (const Contexts& set : sets) {
+  if (what == "residuals") {
+    for (const SymbolContext& context : learnt.residuals) {
+      const SymbolModel start = context.start();
+      fmt::print("    {{{{{}", start.bounds[0]);
+      for (int i = 1; i < 16; ++i) fmt::print(", {}", start.bounds[i]);
+      fmt::print("}}}},\n");
+    }
+    return 0;
+  }
+  for (const Contexts& set : learnt.decisions) {
     fmt::print("    {{");
     for (std::size_t i = 0; i < set.size(); ++i) {
       fmt::print("{}0x{:04x}", i == 0 ? "" : (i % 14 == 0 ? ",\n     " : ", "), start_of(set[i]));

@@ -27,11 +27,22 @@ inline Float4 difference(Float4 here, Float4 there) noexcept {
 
 std::uint32_t apply_range_gate(std::span<std::uint16_t> depth, std::uint16_t min_count,
                                std::uint16_t max_count) noexcept {
+  // Blocks short enough to count in 16 bits: eight readings a step on any machine.
+  constexpr std::size_t kBlock = 4096;
   std::uint32_t outside = 0;
-  for (std::uint16_t& d : depth) {
-    const bool out = d != 0 && (d < min_count || d > max_count);
-    outside += out;
-    d = out ? std::uint16_t{0} : d;
+  for (std::size_t begin = 0; begin < depth.size(); begin += kBlock) {
+    std::uint16_t* const d = depth.data() + begin;
+    const std::size_t count = std::min(kBlock, depth.size() - begin);
+    std::uint16_t out_here = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto low = static_cast<std::uint16_t>(d[i] < min_count ? 1 : 0);
+      const auto high = static_cast<std::uint16_t>(d[i] > max_count ? 1 : 0);
+      const auto there = static_cast<std::uint16_t>(d[i] != 0 ? 1 : 0);
+      const auto out = static_cast<std::uint16_t>((low | high) & there);
+      out_here = static_cast<std::uint16_t>(out_here + out);
+      d[i] = static_cast<std::uint16_t>(d[i] & (out - 1));
+    }
+    outside += out_here;
   }
   return outside;
 }

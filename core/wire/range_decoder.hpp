@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/wire/bit_model.hpp"
+#include "core/wire/symbol_model.hpp"
 
 namespace planecast {
 
@@ -37,6 +38,19 @@ class RangeDecoder {
     }
     normalise();
     return value;
+  }
+
+  /// One of sixteen symbols.
+  int symbol(SymbolModel& model) noexcept {
+    const std::uint64_t part = range_ >> detail::kSymbolTotalBits;
+    const std::uint64_t value = std::min<std::uint64_t>(code_ / part, 32767);
+    const int found = model.find(static_cast<std::int32_t>(value));
+    const std::uint32_t low = model.low(found), high = model.high(found);
+    code_ -= low * part;
+    range_ = (high - low) * part;
+    model.update(found);
+    normalise();
+    return found;
   }
 
   /// `count` bits (1..16), each equally likely.

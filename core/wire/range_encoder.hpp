@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/wire/bit_model.hpp"
+#include "core/wire/symbol_model.hpp"
 
 namespace planecast {
 
@@ -31,6 +32,16 @@ class RangeEncoder {
       add(split);
       range_ -= split;
     }
+    if (range_ < kLeastRange) shift();
+  }
+
+  /// One of sixteen symbols.
+  void symbol(SymbolModel& model, int value) noexcept {
+    const std::uint32_t low = model.low(value), high = model.high(value);
+    range_ >>= detail::kSymbolTotalBits;
+    add(low * range_);
+    range_ *= high - low;
+    model.update(value);
     if (range_ < kLeastRange) shift();
   }
 

@@ -46,6 +46,7 @@ Status TilePacker::pack(const CodingTables& tables, const FrameModel& frame, con
       std::size_t{job.span.u1 - job.span.u0} * (job.span.v1 - job.span.v0) * 2 + 8;
   RangeEncoder coder(out.first(std::min(out.size(), verbatim_bytes)));
   models_ = trained_models(tables.bounds->lossless());
+  if (tables.bounds->lossless()) residuals_ = trained_residuals();
   jumps_in_ = jumps_out_ = 0;
   code_head(job, coder);
   clear_rows(rows_, rect.bw);
@@ -171,7 +172,11 @@ void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
     Segment segment{blocks[i], {}, ray_class, x0, x1, v, row, tokens};
     segment.place = PixelPlace(bounds.half_widths(ray_class), job.last_level);
     if (blocks[i].label.first != 0) segment.place.lie_on(surfaces_[i], tile_v % 8);
-    quantise_segment(job, rows, segment);
+    if (job.tables.bounds->lossless()) {
+      quantise_residuals(job, rows, segment);
+    } else {
+      quantise_segment(job, rows, segment);
+    }
   }
 }
 

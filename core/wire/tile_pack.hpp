@@ -9,6 +9,7 @@
 #include "core/base/status.hpp"
 #include "core/wire/flat_fit.hpp"
 #include "core/wire/range_encoder.hpp"
+#include "core/wire/residual_models.hpp"
 #include "core/wire/tile_syntax.hpp"
 
 namespace planecast {
@@ -77,6 +78,10 @@ class TilePacker {
   void code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const Token& token) noexcept;
   void code_correction(RangeEncoder& coder, const Token& token) noexcept;
+  void quantise_residuals(Job& job, TileRows rows, const Segment& segment) noexcept;
+  void code_residuals(RangeEncoder& coder, const BlockState& block, const Token* tokens,
+                      std::uint32_t count) noexcept;
+  void code_jump(RangeEncoder& coder, const Jump& jump) noexcept;
 
   std::span<PixelRow> rows_;  ///< three rows with borders
   std::span<Token> tokens_;   ///< eight rows
@@ -87,6 +92,7 @@ class TilePacker {
   std::span<FlatChoice> flats_;       ///< of a block row
   std::span<BlockSurface> surfaces_;  ///< one for each block of a block row
   TileModels models_;
+  ResidualModels residuals_;  ///< of lossless tiles
 };
 
 }  // namespace planecast

@@ -56,8 +56,11 @@ void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockStat
     coder.bit(unary[i], more > i);
     if (more <= i) return;
   }
-  const Jump jump = jumps_[jumps_out_++];
-  const auto distance = static_cast<std::uint32_t>(jump.levels);
+  code_jump(coder, jumps_[jumps_out_++]);
+}
+
+void TilePacker::code_jump(RangeEncoder& coder, const Jump& jump) noexcept {
+  const auto distance = static_cast<std::uint32_t>(std::abs(jump.levels));
   const int length = static_cast<int>(std::bit_width(distance));
   code_tree(coder, models_.jump_length, kJumpBits, static_cast<std::uint32_t>(length));
   if (length == 0) {
@@ -100,12 +103,17 @@ void TilePacker::code_block_row(Job& job, RangeEncoder& shared, std::uint32_t ro
   const std::uint32_t begin = job.span.v0 + row * 8;
   const std::uint32_t rows = std::min(begin + 8, job.span.v1) - begin;
   const std::uint32_t columns = job.span.u1 - job.span.u0;
+  const bool lossless = job.tables.bounds->lossless();
   for (std::uint32_t y = 0; y < rows; ++y) {
     const Token* tokens = tokens_.data() + std::size_t{y} * job.rect.bw * 8;
     for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
       const BlockState& block = blocks[i];
       // Nothing to say of most pixels.
       const bool mixed = job.surfaces_kind && block.label.first != 0 && block.uniform == 0;
+      if (lossless && block.any != 0) {
+        code_residuals(coder, block, tokens + i * 8, std::min(8U, columns - i * 8));
+        continue;
+      }
       if (block.any == 0 || (block.full != 0 && block.corrected == 0 && !mixed)) continue;
       for (std::uint32_t x = i * 8; x < std::min(i * 8 + 8, columns); ++x) {
         code_pixel(job, coder, block, tokens[x]);

@@ -3,34 +3,9 @@
 #include <algorithm>
 
 #include "core/wire/tile_read.hpp"
+#include "core/wire/tile_unpack_job.hpp"
 
 namespace planecast {
-// One call of unpack(): the tile's place and what is derived from it.
-struct TileUnpacker::Job {
-  const CodingTables& tables;
-  const TileTarget& target;
-  TileContent& content;
-  TileSpan span;
-  bool surfaces_kind = false;
-  std::int32_t last_level = 1;
-  std::int32_t fallback = 1;
-  std::int32_t last_middle = 256;  ///< of the flat block coded last
-  Surface surfaces[kMaxSurfaces + 1] = {};
-
-  const TileRect& rect() const noexcept { return content.rect; }
-  std::uint32_t width() const noexcept { return tables.config->camera.width; }
-};
-
-// Eight pixels of one row, within one block.
-struct TileUnpacker::Segment {
-  const BlockState& block;
-  PixelPlace place;      ///< of the current pixel
-  std::uint32_t x0, x1;  ///< columns within the tile
-  std::uint32_t v;       ///< row of the image
-  std::uint16_t* depth;  ///< of the tile's row
-  std::uint8_t* labels;  ///< of the tile's row, or null
-};
-
 void TileUnpacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   const std::uint32_t blocks = std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks);
   rows_ = arena.take<PixelRow>(3);
@@ -44,9 +19,11 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   content = {};
   Job job{.tables = tables, .target = target, .content = content, .span = {}};
   job.surfaces_kind = tables.config->tolerance == ToleranceKind::kSurfaces;
+  job.lossless = tables.bounds->lossless();
   job.last_level = static_cast<std::int32_t>(tables.levels->count()) - 1;
   RangeDecoder coder(in);
   models_ = trained_models(tables.bounds->lossless());
+  if (tables.bounds->lossless()) residuals_ = trained_residuals();
   Status status = read_head(job, coder);
   if (status != Status::kOk) return status;
   if (content.verbatim) {
@@ -57,7 +34,7 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
       status = read_block_row(job, coder, row);
       const std::uint32_t end = std::min(row * 8 + 8, job.span.v1 - job.span.v0);
       for (std::uint32_t v = row * 8; v < end && status == Status::kOk; ++v)
-        status = read_row(job, coder, v);
+        status = job.lossless ? read_lossless_row(job, coder, v) : read_row(job, coder, v);
       if (coder.truncated()) status = Status::kTruncated;
     }
   }
@@ -250,15 +227,22 @@ void TileUnpacker::read_flat(Job& job, RangeDecoder& coder, const TileRows rows,
     }
   }
   const std::uint16_t* level = rows.here.level + at;
-  for (std::uint32_t x = 0; x < columns; ++x) {
+  for (std::uint32_t x = 0; x < columns; ++x)
     segment.depth[segment.x0 + x] = levels.depth(level[x]);
+  if (segment.block.full != 0) {
+    job.fallback = level[columns - 1];
+    job.content.points += columns;
+    if (segment.labels != nullptr)
+      std::fill_n(segment.labels + segment.x0, columns, segment.block.label.first);
+    return;
+  }
+  for (std::uint32_t x = 0; x < columns; ++x) {
+    if (segment.labels != nullptr)
+      segment.labels[segment.x0 + x] = level[x] != 0 ? segment.block.label.first : std::uint8_t{0};
     if (level[x] == 0) continue;
     job.fallback = level[x];
     ++job.content.points;
   }
-  if (segment.labels == nullptr) return;
-  for (std::uint32_t x = 0; x < columns; ++x)
-    segment.labels[segment.x0 + x] = level[x] != 0 ? segment.block.label.first : std::uint8_t{0};
 }
 
 // True when the pixel is on one of its block's surfaces; says which.

@@ -9,6 +9,7 @@
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
 #include "core/wire/range_decoder.hpp"
+#include "core/wire/residual_models.hpp"
 #include "core/wire/tile_syntax.hpp"
 
 namespace planecast {
@@ -49,6 +50,7 @@ class TileUnpacker {
 
   /// The models as the tile decoded last left them; what training the starts reads.
   const TileModels& models() const noexcept { return models_; }
+  const ResidualModels& residuals() const noexcept { return residuals_; }
 
  private:
   struct Job;
@@ -62,6 +64,9 @@ class TileUnpacker {
                     const BlockNeighbours& n) noexcept;
   Status read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept;
   Status read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_v) noexcept;
+  Status read_lossless_row(Job& job, RangeDecoder& shared, std::uint32_t tile_v) noexcept;
+  std::int32_t read_far(const LevelTable& levels, RangeDecoder& coder, std::int32_t prediction,
+                        std::uint16_t& depth) noexcept;
   bool read_segment(Job& job, RangeDecoder& shared, TileRows rows, const Segment& segment) noexcept;
   void read_flat(Job& job, RangeDecoder& coder, TileRows rows, const Segment& segment,
                  const BlockSurface& plane) noexcept;
@@ -76,6 +81,7 @@ class TileUnpacker {
   std::span<BlockPlane> planes_;
   std::span<BlockSurface> surfaces_;
   TileModels models_;
+  ResidualModels residuals_;  ///< of lossless tiles
 };
 
 }  // namespace planecast

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/wire/residual_models.hpp"
 #include "core/wire/tile_models.hpp"
 #include "tests/golden/bad_packets.hpp"
 #include "tests/golden/golden_vectors.hpp"
@@ -96,6 +97,14 @@ void print_start_models(bool lossless) {
   print("plane_top", m.plane_top);
 }
 
+void print_residual_models() {
+  for (const SymbolModel& model : trained_residuals().of) {
+    std::printf("lossless residual");
+    for (const std::int16_t bound : model.bounds) std::printf(" %d", int{bound});
+    std::printf("\n");
+  }
+}
+
 void print_tables() {
   for (const auto& row : detail::kActivity.of) {
     std::printf("table activity");
@@ -114,6 +123,7 @@ int main(int argc, char** argv) {
   if (argc == 2 && std::string(argv[1]) == "--constants") {
     planecast::test::print_start_models(true);
     planecast::test::print_start_models(false);
+    planecast::test::print_residual_models();
     planecast::test::print_tables();
     return 0;
   }

@@ -204,7 +204,10 @@ class DepthTile:
         level = prediction = surface if side else near
         half = halves[prediction]
         count = None
-        if b.corrected:
+        if b.corrected and self.lossless:
+            level, count = self.residual(prediction, l, up, ul, ur)
+            p.correction = min(max(level - prediction, -8), 8)
+        elif b.corrected:
             level, p.correction, count = self.correct(prediction, half, side, l, up, ul, ur)
         bad_unless(1 <= level <= last)
         p.level = self.fallback = level
@@ -230,16 +233,40 @@ class DepthTile:
         kept = min(max(sign * (more + 1), -2), 2)
         if more < 12:
             return prediction + sign * (more + 1) * (half + half // 2 + 1), kept, None
-        length = c.tree(m.jump_length, 5)
+        level, count = self.jump(prediction, sign)
+        return level, kept, count
+
+    def jump(self, prediction, sign):
+        c = self.c
+        length = c.tree(self.m.jump_length, 5)
         if length == 0:
             count = c.raw(16)
             bad_unless(count)
-            return max(1, self.s.levels.nearest(count)), kept, count
+            return max(1, self.s.levels.nearest(count)), count
         bad_unless(length <= 16)
-        distance = 2 + c.bit(m.jump_top[length]) if length > 1 else 1
+        distance = 2 + c.bit(self.m.jump_top[length]) if length > 1 else 1
         if length > 2:
             distance = (distance << (length - 2)) + c.raw(length - 2)
-        return prediction + sign * distance, kept, None
+        return prediction + sign * distance, None
+
+    # 7.4
+    def residual(self, prediction, l, up, ul, ur):
+        total = sum(abs(a.level - b.level) if a.level and b.level else 3
+                    for a, b in ((l, ul), (up, ul), (up, ur)))
+        cl, cu, cul, cur = (abs(n.correction) for n in (l, up, ul, ur))
+        e = (2 * cl + 2 * cu + cul + cur + 1) >> 1
+        energy = sum(e > most for most in (0, 1, 2, 4, 7, 12, 20))
+        sl, su = ((n.correction > 0) - (n.correction < 0) for n in (l, up))
+        lean = 9 * ((prediction < l.level) - (prediction > l.level)) + 3 * sl + su
+        row = (8 * activity_of(self.s.activity, total, 0) + energy) * 14 + abs(lean)
+        symbol = self.c.symbol(self.m.residual[row])
+        if symbol == 15:
+            return self.jump(prediction, -1 if self.c.raw(1) else 1)
+        size = (symbol + 1) // 2
+        if size > 4:
+            bits = size - 4
+            size = 3 + (1 << bits) + self.c.raw(bits)
+        return prediction + (size if (symbol % 2 == 1) == (lean >= 0) else -size), None
 
 
 def depth_tile(stream, coder, models, depth):
