@@ -16,7 +16,7 @@ INTRO = """# The paper's evaluation, run again
 
 Imdad et al., *Three Dimensional Point Cloud Compression and Decompression Using Polynomials of Degree One*,
 Symmetry 2019, 11(2), 209: its tables and figures on the clouds at hand, by one command:
-`bench/paper.sh BUILD`, which writes this page. The paper's own clouds could not be had; what it prints is set
+`bench/paper.sh BUILD ROWS.json`, which writes this page and goes on where it was stopped. The paper's own clouds could not be had; what it prints is set
 beside ours where it is known.
 
 The chain is the paper's, step by step, by the library's own functions: outlier filter (30 neighbours, mean + 1
@@ -50,7 +50,7 @@ def per_point(row, bytes_name):
 
 
 def num(value, digits=1):
-    return f"{value:.{digits}f}"
+    return "-" if value is None else f"{value:.{digits}f}"  # no distance to a cloud of no points
 
 
 def table1(rows):
@@ -108,7 +108,8 @@ def table2_line(r):
 
 
 def mean(rows, value):
-    return sum(value(r) for r in rows) / len(rows)
+    values = [v for v in map(value, rows) if v is not None]
+    return sum(values) / len(values) if values else None
 
 
 def table2(rows):
@@ -135,7 +136,7 @@ def table2(rows):
 
 def lattice_table(rows):
     return table(["cloud", "random: ab / ba / RMSE mm", "lattice: ab / ba / RMSE mm"],
-                 [[r["cloud"]] + [f"{d['d1_ab_mm']:.1f} / {d['d1_ba_mm']:.1f} / {d['d1_mm']:.1f}"
+                 [[r["cloud"]] + [" / ".join(num(d[k]) for k in ("d1_ab_mm", "d1_ba_mm", "d1_mm"))
                                   for d in (r, r["lattice"])] for r in of(rows, "chain")])
 
 
