@@ -7,8 +7,12 @@
 namespace planecast {
 namespace {
 
-constexpr float kInlier = 4.0F;        // noise variances: more is no noise of this surface
-constexpr std::uint32_t kInside = 4;   // cells inside a region that make a fit of their own
+constexpr float kInlier = 4.0F;       // noise variances: more is no noise of this surface
+constexpr float kClean = 1.6F;        // the same along a border, where something else may have part
+constexpr std::uint32_t kInside = 4;  // cells inside a region that make a fit of their own
+// One plane for two regions may add this much to the mean squared residual of the smaller one, in
+// noise variances: parts of one wall do, once the cells along their borders are left out.
+constexpr double kJoinSlack = 0.5;
 constexpr double kInsideShare = 0.25;  // of the region's cells
 
 // A region's sums over all of its cells, or only those inside it.
@@ -170,6 +174,59 @@ void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
     const double scale = shared * std::max(1.0, residual);
     sigmas[k] = {std::sqrt(scale * aa), std::sqrt(scale * bb), std::sqrt(scale * cc)};
   }
+}
+
+int join_planes(RegionMap& regions, std::span<RegionFit> fits) noexcept {
+  struct Plane {
+    PlaneSums sums;
+    double readings = 0, squares = 0;
+    std::uint32_t cells = 0;
+  };
+  std::array<Plane, kMaxSurfaces + 1> planes{};
+  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool inside) {
+    if (is_curved(regions, label) ||
+        cell_residual(cell, fits[label - 1U].surface) > (inside ? kInlier : kClean))
+      return;
+    planes[label].sums.add(plane_sums(cell));
+    planes[label].readings += double{cell.n};
+    ++planes[label].cells;
+  });
+  std::array<std::uint8_t, kMaxSurfaces + 1> into{};
+  for (int k = 1; k <= regions.regions; ++k) {
+    Plane& plane = planes[k];
+    into[k] = static_cast<std::uint8_t>(k);
+    FloatSurface own;
+    if (plane.cells < kInside || !plane.sums.solve(own)) {
+      plane.cells = 0;
+    } else {
+      plane.squares = plane.sums.mean_square(own) * plane.sums.n;
+    }
+  }
+  int joined = 0;
+  for (int a = 1; a <= regions.regions; ++a) {
+    for (int b = 1; b <= regions.regions; ++b) {
+      Plane &first = planes[a], &second = planes[b];
+      if (a == b || first.cells < second.cells || second.cells == 0) continue;
+      Plane both = first;
+      both.sums.add(second.sums);
+      FloatSurface plane;
+      if (!both.sums.solve(plane)) continue;
+      both.squares = both.sums.mean_square(plane) * both.sums.n;
+      if (both.squares - first.squares - second.squares > kJoinSlack * second.readings) continue;
+      both.readings += second.readings;
+      both.cells += second.cells;
+      first = both;
+      second.cells = 0;
+      for (int k = 1; k <= regions.regions; ++k) {
+        if (into[k] == b) into[k] = static_cast<std::uint8_t>(a);
+      }
+      ++joined;
+    }
+  }
+  if (joined == 0) return 0;
+  for (std::uint8_t& label : regions.labels) label = into[label];
+  fit_regions(regions, fits);
+  return joined;
 }
 
 }  // namespace planecast

@@ -35,4 +35,9 @@ struct PlaneSigmas {
 void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
                   std::span<PlaneSigmas> sigmas) noexcept;
 
+/// Joins regions that one plane explains, wherever they lie, by the cells inside them, which
+/// nothing beside them touches; relabels in place (numbers of joined regions stay empty), fits
+/// again, and returns how many were joined. O(cells + regions^2).
+int join_planes(RegionMap& regions, std::span<RegionFit> fits) noexcept;
+
 }  // namespace planecast

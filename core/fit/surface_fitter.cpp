@@ -29,6 +29,7 @@ Status SurfaceFitter::fit(const FitTables& tables, std::span<const std::uint16_t
   fit_regions(regions, fits_);
   report.split_regions =
       static_cast<std::uint32_t>(split_regions(regions, fits_, scratch_, options));
+  if (tables.config->tolerance == ToleranceKind::kSurfaces) (void)join_planes(regions, fits_);
   const std::span<const RegionFit> fits =
       std::span(fits_).first(static_cast<std::size_t>(regions.regions));
   const int shift = choose_shift(fits, largest_ray_sum(*tables.rays, regions.curved != 0));
