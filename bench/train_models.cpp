@@ -4,6 +4,7 @@
 // LIST (train_models.list) holds a command line a row: inputs and codec options. The
 // decoder's models at the end of each slice are samples of what a start should be: their mean is
 // the probability, their spread between slices says how soon a tile should trust itself instead.
+// Symbols of residuals are counted.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +20,7 @@
 #include "apps/common/frame_codec.hpp"
 #include "apps/common/frame_source.hpp"
 #include "apps/common/stream_setup.hpp"
+#include "bench/residual_counts.hpp"
 #include "core/pipeline/decoder.hpp"
 #include "core/wire/frame_unpack.hpp"
 #include "core/wire/key_packet.hpp"
@@ -50,35 +52,10 @@ struct Context {
 
 using Contexts = std::vector<Context>;
 
-// One context of a residual's symbol over all slices.
-struct SymbolContext {
-  double weight = 0;
-  double bounds[16] = {};  // of 1..15
-
-  void add(const SymbolModel& ended, double seen) {
-    weight += seen;
-    for (int i = 1; i < 16; ++i) bounds[i] += seen * ended.bounds[i];
-  }
-  // The mean, drawn a little to an even distribution; old enough to be kept where it is known.
-  SymbolModel start() const {
-    SymbolModel out;
-    constexpr double kEven = 0.5;
-    for (int i = 1; i < 16; ++i) {
-      const double mean = (bounds[i] + kEven * 2048 * i) / (weight + kEven);
-      out.bounds[i] = static_cast<std::int16_t>(
-          std::clamp<long>(std::lround(mean), out.bounds[i - 1] + (i > 1 ? 8 : 8 - out.bounds[0]),
-                           32768 - 8 * (16 - i)));
-    }
-    constexpr double kKnown = 40;
-    out.bounds[0] = static_cast<std::int16_t>(weight < kKnown ? 0 : 12);
-    return out;
-  }
-};
-
 // What is learnt: decisions of lossless and of bounded streams, and lossless residuals.
 struct Learnt {
   Contexts decisions[2] = {Contexts(kTileModelCount), Contexts(kTileModelCount)};
-  std::vector<SymbolContext> residuals = std::vector<SymbolContext>(kResidualContexts);
+  ResidualCounts residuals;
 
   void add(const TileUnpacker& unpacker, bool lossless) {
     const auto began =
@@ -87,11 +64,6 @@ struct Learnt {
     for (std::size_t i = 0; i < kTileModelCount; ++i) {
       const double seen = ended[i].age == detail::kMaxBitAge ? 126.0 : ended[i].age - began[i].age;
       if (seen > 0) decisions[lossless ? 0 : 1][i].add(ended[i].slow / 65536.0, seen);
-    }
-    for (std::size_t i = 0; lossless && i < residuals.size(); ++i) {
-      const SymbolModel& model = unpacker.residuals().of[i];
-      const int seen = model.bounds[0] - trained_residuals().of[i].bounds[0];
-      if (seen > 0) residuals[i].add(model, seen);
     }
   }
 };
@@ -148,19 +120,22 @@ bool learn(const std::string& line, bool lossless_only, Learnt& learnt) {
   auto arena = Arena::map(measuring.bytes_needed());
   unpacker.layout(*arena, camera.width);
   std::vector<std::uint16_t> depth(camera.pixels());
+  std::vector<std::uint8_t> labels(camera.pixels());
   for (; more.ok() && *more; more = (*source)->next(frame)) {
     const auto coded = codec->encode(*setup, frame);
     if (!coded.ok()) return fail(coded.error().message), false;
     for (const auto& packet : coded->packets) {
       TileContent content;
       if (unpacker.unpack(tables.coding(), std::span(packet).subspan(kPacketHeaderBytes),
-                          {depth, {}}, content) != Status::kOk ||
+                          {depth, labels}, content) != Status::kOk ||
           content.verbatim) {
         continue;
       }
       learnt.add(unpacker, tables.bounds().lossless());
+      if (tables.bounds().lossless()) learnt.residuals.add(tables.coding(), content, depth, labels);
     }
   }
+  learnt.residuals.end_input();
   return true;
 }
 
@@ -177,10 +152,10 @@ int main(int argc, char** argv) {
     if (!line.empty() && line[0] != '#' && !learn(line, what == "residuals", learnt)) return 1;
   }
   if (what == "residuals") {
-    for (const SymbolContext& context : learnt.residuals) {
-      const SymbolModel start = context.start();
+    for (std::size_t i = 0; i < kResidualContexts; ++i) {
+      const SymbolModel start = learnt.residuals.start(i);
       fmt::print("    {{{{{}", start.bounds[0]);
-      for (int i = 1; i < 16; ++i) fmt::print(", {}", start.bounds[i]);
+      for (int s = 1; s < 16; ++s) fmt::print(", {}", start.bounds[s]);
       fmt::print("}}}},\n");
     }
     return 0;
