@@ -227,22 +227,15 @@ void TileUnpacker::read_flat(Job& job, RangeDecoder& coder, const TileRows rows,
     }
   }
   const std::uint16_t* level = rows.here.level + at;
-  for (std::uint32_t x = 0; x < columns; ++x)
-    segment.depth[segment.x0 + x] = levels.depth(level[x]);
-  if (segment.block.full != 0) {
-    job.fallback = level[columns - 1];
-    job.content.points += columns;
-    if (segment.labels != nullptr)
-      std::fill_n(segment.labels + segment.x0, columns, segment.block.label.first);
-    return;
-  }
   for (std::uint32_t x = 0; x < columns; ++x) {
-    if (segment.labels != nullptr)
-      segment.labels[segment.x0 + x] = level[x] != 0 ? segment.block.label.first : std::uint8_t{0};
+    segment.depth[segment.x0 + x] = levels.depth(level[x]);
     if (level[x] == 0) continue;
     job.fallback = level[x];
     ++job.content.points;
   }
+  if (segment.labels == nullptr) return;
+  for (std::uint32_t x = 0; x < columns; ++x)
+    segment.labels[segment.x0 + x] = level[x] != 0 ? segment.block.label.first : std::uint8_t{0};
 }
 
 // True when the pixel is on one of its block's surfaces; says which.
