@@ -12,8 +12,8 @@ namespace {
 
 using namespace test;
 
-constexpr std::uint64_t kFirstSeed = 1001;
-constexpr int kSeeds = 4, kFrames = 4;
+constexpr std::uint64_t kFirstSeed = 2001;
+constexpr int kSeeds = 16, kFrames = 2;
 
 RoomQuality quality(const char* preset, double min_width) {
   RoomQuality sum;
@@ -34,13 +34,15 @@ RoomQuality quality(const char* preset, double min_width) {
 TEST(RoomQuality, PlanesOfATimeOfFlightCameraAreFound) {
   if (kSanitized) GTEST_SKIP() << "figures do not depend on a sanitizer";
   const RoomQuality all = quality("azure-nfov", 0);
-  EXPECT_GE(all.ratio_percent(), 99.84);
+  EXPECT_GE(all.ratio_percent(), 99.845);
   EXPECT_GE(all.out_share(), 0.95);
+  EXPECT_GE(all.precision(), 0.82);
+  EXPECT_GE(all.recall(), 0.74);
   const RoomQuality sum = quality("azure-nfov", 16);
-  // The goals are a ratio of 99.85 and 0.95, 0.95 and 0.99 here. What is missing are things of two
-  // cells' width, in parts or taken for one with what is behind them.
-  EXPECT_GE(sum.precision(), 0.83);
-  EXPECT_GE(sum.recall(), 0.89);
+  // The goals are a ratio of 99.85 and, of all planes, 0.95, 0.95 and 0.99. What is missing are
+  // things of two cells' width, in parts or taken for one with what is behind them.
+  EXPECT_GE(sum.precision(), 0.90);
+  EXPECT_GE(sum.recall(), 0.92);
   EXPECT_GE(sum.within_share(), 0.99);
 }
 
@@ -48,6 +50,9 @@ TEST(RoomQuality, PlanesOfAStereoCameraAreFound) {
   if (kSanitized) GTEST_SKIP() << "figures do not depend on a sanitizer";
   const RoomQuality all = quality("realsense-d435", 0);
   EXPECT_GE(all.out_share(), 0.95);
+  // The same goals; the noise of a far wall spans what stands before it.
+  EXPECT_GE(all.precision(), 0.52);
+  EXPECT_GE(all.recall(), 0.45);
 }
 
 }  // namespace
