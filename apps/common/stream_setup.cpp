@@ -67,7 +67,8 @@ void name_unused(const CodecOptions& options, StreamSetup& setup) {
     if (options.is_given(name))
       setup.notes.push_back(fmt::format("--{} has no effect on this input in this version", name));
   };
-  for (const char* name : {"lidar", "effort"}) note(name);
+  note("lidar");
+  if (setup.encoder.stream.kind != FrameKind::kDepth) note("effort");
   if (setup.encoder.stream.kind == FrameKind::kPoints) return note("budget-ms");
   for (const char* name : {"regenerate", "alpha", "smoothness", "k", "max-points"}) note(name);
 }
@@ -100,6 +101,7 @@ Result<StreamSetup> setup_stream(const CodecOptions& options, const SourceSensor
   settle_tolerance(options, setup);
   const auto done = settle_frames(options, sensor, first, setup);
   if (!done.ok()) return done.error();
+  config.effort_best = options.effort == Effort::kBest && config.kind == FrameKind::kDepth;
   name_unused(options, setup);
   setup.encoder.stages.drop_outliers = options.outliers == Outliers::kDrop;
   setup.encoder.budget_ms = options.budget_ms.value_or(0);

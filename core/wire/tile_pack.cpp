@@ -33,10 +33,25 @@ void TilePacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   planes_ = arena.take<BlockPlane>(2 * std::size_t{blocks});
   flats_ = arena.take<FlatChoice>(blocks);
   surfaces_ = arena.take<BlockSurface>(blocks);
+  mix_.layout(arena, max_width);
 }
 
 Status TilePacker::pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
                         std::span<std::uint8_t> out, TileReport& report) noexcept {
+  if (!tables.config->effort_best) return pack_plain(tables, frame, rect, out, report);
+  // Whichever is smaller: blending loses where readings lie on levels that nobody told of.
+  TileReport plain;
+  const Status status = pack_plain(tables, frame, rect, out, plain);
+  if (mix_.pack(tables, frame, rect, out, report) == Status::kOk &&
+      (status != Status::kOk || report.bytes <= plain.bytes)) {
+    return Status::kOk;
+  }
+  return pack_plain(tables, frame, rect, out, report);
+}
+
+Status TilePacker::pack_plain(const CodingTables& tables, const FrameModel& frame,
+                              const TileRect& rect, std::span<std::uint8_t> out,
+                              TileReport& report) noexcept {
   const CameraModel& camera = tables.config->camera;
   Job job{.tables = tables, .frame = frame, .rect = rect, .span = tile_span(camera, rect)};
   job.surfaces_kind = tables.config->tolerance == ToleranceKind::kSurfaces;
@@ -66,6 +81,7 @@ void TilePacker::code_head(Job& job, RangeEncoder& coder) noexcept {
   const CameraModel& camera = job.tables.config->camera;
   coder.raw(kModelled, 1);
   code_rect(coder, camera, job.rect);
+  if (job.tables.config->effort_best) coder.raw(kPlainTile, 1);
   for (std::uint32_t by = 0; by < job.rect.bh; ++by) {
     const BlockLabel* labels =
         &job.frame.blocks[std::size_t{job.rect.by + by} * blocks_wide(camera) + job.rect.bx];

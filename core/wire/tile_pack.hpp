@@ -8,19 +8,13 @@
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
 #include "core/wire/flat_fit.hpp"
+#include "core/wire/mix_pack.hpp"
 #include "core/wire/range_encoder.hpp"
 #include "core/wire/residual_models.hpp"
+#include "core/wire/tile_content.hpp"
 #include "core/wire/tile_syntax.hpp"
 
 namespace planecast {
-
-/// What coding a tile cost and did.
-struct TileReport {
-  std::size_t bytes = 0;
-  std::uint32_t points = 0;       ///< readings coded
-  std::uint32_t corrections = 0;  ///< of them with a correction that is not zero
-  bool verbatim = false;          ///< the models did not pay; counts are stored as they are
-};
 
 /// Working memory of one packer, taken from the arena at start; used by one thread.
 class TilePacker {
@@ -61,6 +55,8 @@ class TilePacker {
   struct Job;
   struct Segment;
 
+  Status pack_plain(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
+                    std::span<std::uint8_t> out, TileReport& report) noexcept;
   void code_head(Job& job, RangeEncoder& coder) noexcept;
   void open_block_row(Job& job, std::uint32_t row) noexcept;
   void try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept;
@@ -93,6 +89,7 @@ class TilePacker {
   std::span<BlockSurface> surfaces_;  ///< one for each block of a block row
   TileModels models_;
   ResidualModels residuals_;  ///< of lossless tiles
+  MixPacker mix_;  ///< of `--effort best`
 };
 
 }  // namespace planecast

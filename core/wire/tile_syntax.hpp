@@ -193,5 +193,8 @@ inline std::uint8_t choice_context(const Neighbourhood& n) noexcept {
 /// Decision after which a tile stores counts as they are.
 inline constexpr std::uint32_t kModelled = 0;
 inline constexpr std::uint32_t kVerbatimTile = 1;
+/// Decision after which, in streams of `--effort best`, a tile's decisions are mixed.
+inline constexpr std::uint32_t kPlainTile = 0;
+inline constexpr std::uint32_t kMixedTile = 1;
 
 }  // namespace planecast

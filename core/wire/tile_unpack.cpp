@@ -12,6 +12,7 @@ void TileUnpacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   blocks_ = arena.take<BlockState>(2 * std::size_t{blocks});
   planes_ = arena.take<BlockPlane>(2 * std::size_t{blocks});
   surfaces_ = arena.take<BlockSurface>(blocks);
+  mix_.layout(arena, max_width);
 }
 
 Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uint8_t> in,
@@ -28,6 +29,8 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   if (status != Status::kOk) return status;
   if (content.verbatim) {
     status = read_verbatim(job, coder);
+  } else if (content.mixed) {
+    status = mix_.unpack(tables, coder, job.fallback, target, content);
   } else {
     clear_rows(rows_, job.rect().bw);
     for (std::uint32_t row = 0; row < job.rect().bh && status == Status::kOk; ++row) {
@@ -84,6 +87,7 @@ Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
   content.rect = rect;
   job.span = tile_span(camera, rect);
   if (content.verbatim) return Status::kOk;
+  if (job.tables.config->effort_best) content.mixed = coder.raw(1) == kMixedTile;
   const auto first = static_cast<std::uint16_t>(coder.raw(16));
   job.fallback = std::max<std::int32_t>(1, job.tables.levels->nearest(first));
   job.last_middle = job.fallback * 256;

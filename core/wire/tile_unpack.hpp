@@ -8,28 +8,13 @@
 
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
+#include "core/wire/mix_unpack.hpp"
 #include "core/wire/range_decoder.hpp"
 #include "core/wire/residual_models.hpp"
+#include "core/wire/tile_content.hpp"
 #include "core/wire/tile_syntax.hpp"
 
 namespace planecast {
-
-/// What one tile held.
-struct TileContent {
-  TileRect rect;
-  std::uint32_t points = 0;                     ///< readings decoded
-  std::uint32_t corrections = 0;                ///< of them with a correction that is not zero
-  std::uint32_t surfaces = 0;                   ///< surfaces the tile carries
-  std::array<Surface, kMaxSurfaces> surface{};  ///< the first `surfaces` are in use
-  bool verbatim = false;
-};
-
-/// Where a decoded tile goes: width * height of the stream's camera each, row-major. `labels` may
-/// be empty; otherwise it receives 1 + the tile's surface number for pixels of labelled blocks.
-struct TileTarget {
-  std::span<std::uint16_t> depth;
-  std::span<std::uint8_t> labels;
-};
 
 /// Working memory of one unpacker, taken from the arena at start; used by one thread.
 class TileUnpacker {
@@ -51,6 +36,7 @@ class TileUnpacker {
   /// The models as the tile decoded last left them; what training the starts reads.
   const TileModels& models() const noexcept { return models_; }
   const ResidualModels& residuals() const noexcept { return residuals_; }
+  const MixModels& mix_models() const noexcept { return mix_.models(); }
 
  private:
   struct Job;
@@ -82,6 +68,7 @@ class TileUnpacker {
   std::span<BlockSurface> surfaces_;
   TileModels models_;
   ResidualModels residuals_;  ///< of lossless tiles
+  MixUnpacker mix_;  ///< of `--effort best`
 };
 
 }  // namespace planecast

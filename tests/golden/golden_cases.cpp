@@ -146,6 +146,33 @@ void add_scenes(std::vector<GoldenCase>& out) {
   drop->config.drop_off_surface = true;
 }
 
+// Several models mixed, under every contract.
+void add_best(const Images& in, std::vector<GoldenCase>& out) {
+  GoldenCase c{"best_lossless_160x120", room_config(160, 120), kWireSlice, {in[0]}, {}};
+  c.config.effort_best = true;
+  c.config.lattice = room_lattice(160, 120);
+  out.push_back(c);
+  c.name = "best_sigma_160x120";
+  set_bound(c.config, ToleranceKind::kSigma, 2U << 16U);
+  out.push_back(c);
+  c.name = "best_surfaces_keep_160x120";
+  c.slice_bytes = kFileSliceBytes;
+  set_bound(c.config, ToleranceKind::kSurfaces, 3U << 16U);
+  out.push_back(c);
+  c = {"best_metres_64x48", room_config(64, 48), kWireSlice, {in[2]}, {}};
+  c.config.effort_best = true;
+  set_bound(c.config, ToleranceKind::kMetres, 100'000);
+  out.push_back(c);
+  c = {"best_lossless_24x16", room_config(24, 16), kWireSlice, {}, {}};
+  c.config.effort_best = true;
+  c.config.lattice = {300'000U << 8U, 0, false};
+  c.depth.push_back(integer_wall(24, 16, c.config.lattice, 24));
+  out.push_back(c);
+  c.name = "best_metres_24x16";
+  set_bound(c.config, ToleranceKind::kMetres, 100'000);
+  out.push_back(c);
+}
+
 void add_sensors(const Images& in, std::vector<GoldenCase>& out) {
   GoldenCase c{"tof_64x48", room_config(64, 48), 400, {in[2]}, {}};
   c.config.noise = {NoiseModel::Kind::kTof, 4'000'000};
@@ -287,6 +314,7 @@ Result<std::vector<GoldenCase>> golden_cases(const std::filesystem::path& folder
   std::vector<GoldenCase> out;
   add_contracts(images, out);
   add_scenes(out);
+  add_best(images, out);
   add_sensors(images, out);
   add_sizes(images, out);
   add_clouds(images, out);

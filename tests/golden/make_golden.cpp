@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/wire/mix_models.hpp"
 #include "core/wire/residual_models.hpp"
 #include "core/wire/tile_models.hpp"
 #include "tests/golden/bad_packets.hpp"
@@ -105,6 +106,30 @@ void print_residual_models() {
   }
 }
 
+// Estimates and decisions seen of mixed models; weights of each mixer and how often it was used.
+void print_mix_models(bool lossless) {
+  const char* kind = lossless ? "lossless" : "bounded";
+  const MixModels& m = trained_mix_models(lossless);
+  const auto print = [&](const char* name, const MixedModel& model) {
+    std::printf("%s %s %u %u %u\n", kind, name, unsigned{model.fast}, unsigned{model.slow},
+                unsigned{model.seen});
+  };
+  const auto print_weights = [&](const char* name, const auto& weights) {
+    std::printf("%s %s", kind, name);
+    for (const std::int32_t w : weights.weight) std::printf(" %d", w);
+    std::printf(" %u\n", unsigned{weights.uses});
+  };
+  for (const auto& context : m.pixel) {
+    for (const MixedModel& model : context) print("mix_pixel", model);
+  }
+  for (const MixedModel& model : m.mask) print("mix_mask", model);
+  for (const auto& set : m.pixel_mixers) {
+    for (const auto& mixer : set) print_weights("mix_pixel_weights", mixer);
+  }
+  for (const auto& mixer : m.mask_mixers) print_weights("mix_mask_weights", mixer);
+  print_models(kind, "mix_low", m.low[0], sizeof m.low);
+}
+
 void print_tables() {
   for (const auto& row : detail::kActivity.of) {
     std::printf("table activity");
@@ -124,6 +149,8 @@ int main(int argc, char** argv) {
     planecast::test::print_start_models(true);
     planecast::test::print_start_models(false);
     planecast::test::print_residual_models();
+    planecast::test::print_mix_models(true);
+    planecast::test::print_mix_models(false);
     planecast::test::print_tables();
     return 0;
   }

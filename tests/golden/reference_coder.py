@@ -95,6 +95,7 @@ def head(coder, stream):
     bx, by = coder.raw(pos(wide)), coder.raw(pos(high))
     bw, bh = coder.raw(min(pos(wide), 8)) + 1, coder.raw(min(pos(high), 8)) + 1
     bad_unless(bx + bw <= wide and by + bh <= high)
+    stream.mixed = not verbatim and not stream.raw and bool(stream.key["flags"] & 2) and coder.raw(1) == 1
     return verbatim, bx, by, bw, bh
 
 

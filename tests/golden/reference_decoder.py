@@ -12,6 +12,7 @@ import subprocess
 import sys
 
 from reference_coder import Coder, Models
+from reference_mix import mix_tile
 from reference_raw import raw_tile
 from reference_tables import Bounds, Levels, rays_of, regenerate_table, z_of_count
 from reference_tile import depth_tile
@@ -95,7 +96,8 @@ class Stream:
         depth = [0] * pixels
         for body in slices:
             coder = Coder(body)
-            depth_tile(self, coder, Models(self.start), depth)
+            tile = mix_tile if self.key["flags"] & 2 else depth_tile
+            tile(self, coder, Models(self.start), depth)
             need(coder.ended(), "trailing or cut")
         z = {d: z_of_count(self.key, d) for d in set(depth)}
         point = regenerate_table(self.key)

@@ -37,14 +37,20 @@ def coefficient(coder, shift):
 
 
 class DepthTile:
+    codes_corrected = True
+
     def __init__(self, stream, coder, models, depth):
         self.s, self.c, self.m, self.depth = stream, coder, models, depth
         self.surfaces_kind = stream.key["tolerance"] == 3
         self.lossless = stream.key["tolerance"] == 0
 
+    def begin(self, mixed):
+        """Mixed tiles (section 7.5) are in reference_mix.py."""
+
     def decode(self):
         c, s = self.c, self.s
         verbatim, bx, by, bw, bh = head(c, s)
+        self.begin(s.mixed)
         self.us, self.vs = pixels_of(s, bx, by, bw, bh)
         if verbatim:
             for v in self.vs:
@@ -103,7 +109,7 @@ class DepthTile:
                 b.plane = FlatBlock(self, x, y).read()
                 self.last_middle = b.plane[0]
                 return
-        if not self.surfaces_kind or not b.first or not b.uniform:
+        if self.codes_corrected and (not self.surfaces_kind or not b.first or not b.uniform):
             b.corrected = c.bit(m.block_corrected[9 * (b.first != 0) + pair("corrected")])
 
     def inverse_depth(self, surface, u, v):
@@ -130,6 +136,9 @@ class DepthTile:
 
     # 7.2
     def pixel(self, u, v):
+        self.plain_pixel(u, v)
+
+    def plain_pixel(self, u, v):
         at = self.pixels.get
         b, m = self.blocks[u // 8, v // 8], self.m
         if not b.any:

@@ -128,6 +128,7 @@ TEST(TileRoundTrip, SimulatedScenesKeepTheirBoundUnderEveryContract) {
       config.tolerance = static_cast<ToleranceKind>(contract);
       config.tolerance_100nm = 50'000 + random.below(300'000);
       config.sigmas_q16 = 32768 + random.below(4U << 16U);
+      config.effort_best = seed % 3 == 0;
       config.noise = {seed % 2 == 0 ? NoiseModel::Kind::kStereo : NoiseModel::Kind::kTof,
                       4'000'000};
       WireBench b(config);

@@ -1,0 +1,182 @@
+#include "core/wire/mix_pack.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/wire/flat_fit.hpp"
+#include "core/wire/tile_pack_job.hpp"
+#include "core/wire/tile_write.hpp"
+
+namespace planecast {
+namespace {
+
+// What the encoder says of a tile, in the order in which MixTile asks.
+struct MixWriter {
+  static constexpr bool kEncodes = true;
+  RangeEncoder coder;
+  const FrameModel& frame;
+  LocalSurfaces local = {};
+
+  bool bit(BitModel& model, bool want) noexcept {
+    coder.bit(model, want);
+    return want;
+  }
+  bool bit_at(std::uint32_t probability, bool want) noexcept {
+    coder.bit_at(probability, want);
+    return want;
+  }
+  std::uint32_t raw(std::uint32_t want, int bits) noexcept {
+    coder.raw(want, bits);
+    return want;
+  }
+  bool stopped() const noexcept { return coder.overflow(); }
+
+  const std::uint16_t* depths(const MixJob& job, std::uint32_t v) const noexcept {
+    return &frame.depth[std::size_t{job.span.v0 + v} * job.tables.config->camera.width +
+                        job.span.u0];
+  }
+  std::uint16_t want_depth(const MixJob& job, std::uint32_t x, std::uint32_t v) const noexcept {
+    return depths(job, v)[x];
+  }
+
+  BlockState want_block(const MixJob& job, std::uint32_t row, std::uint32_t i) const noexcept {
+    const std::uint32_t x1 = std::min(i * 8 + 8, job.columns());
+    const std::uint32_t v1 = std::min(row * 8 + 8, job.span.v1 - job.span.v0);
+    std::uint32_t readings = 0;
+    for (std::uint32_t v = row * 8; v < v1; ++v) {
+      for (std::uint32_t x = i * 8; x < x1; ++x) readings += depths(job, v)[x] != 0;
+    }
+    BlockState want;
+    if (readings == 0) return want;
+    want.any = 1;
+    want.full = readings == (x1 - i * 8) * (v1 - row * 8);
+    const BlockLabel& label =
+        frame.blocks[std::size_t{job.rect.by + row} * blocks_wide(job.tables.config->camera) +
+                     job.rect.bx + i];
+    want.label.first = local.local_of[label.first];
+    if (!job.surfaces_kind || want.label.first == 0) return want;
+    want.label.second = local.local_of[label.second];
+    const std::uint8_t ray_class = job.tables.bounds->ray_class(job.rect.bx + i, job.rect.by + row);
+    want.uniform = 1;
+    for (std::uint32_t v = row * 8; v < v1; ++v) {
+      for (std::uint32_t x = i * 8; x < x1; ++x) {
+        const std::uint16_t depth = depths(job, v)[x];
+        if (depth != 0 && want_choice(job, want, ray_class, x, v, depth) != 1) want.uniform = 0;
+      }
+    }
+    return want;
+  }
+
+  // The first of a block's surfaces that holds a reading; 0 none.
+  std::uint8_t want_choice(const MixJob& job, const BlockState& block, std::uint32_t ray_class,
+                           std::uint32_t x, std::uint32_t v, std::uint16_t depth) const noexcept {
+    const std::uint32_t limit =
+        job.tables.bounds->max_error(depth, static_cast<std::uint8_t>(ray_class));
+    const std::int32_t rx = job.tables.rays->x(job.span.u0 + x, job.span.v0 + v);
+    const std::int32_t ry = job.tables.rays->y(job.span.u0 + x, job.span.v0 + v);
+    for (std::uint8_t choice = 1; choice <= 2; ++choice) {
+      const std::uint8_t label = choice == 1 ? block.label.first : block.label.second;
+      if (label == 0) break;
+      const std::uint16_t on = surface_depth(job.surfaces[label], rx, ry);
+      if (on != 0 && static_cast<std::uint32_t>(std::abs(int{on} - int{depth})) <= limit)
+        return choice;
+    }
+    return 0;
+  }
+
+  bool want_plane(const MixJob& job, std::uint32_t row, std::uint32_t i, std::uint8_t ray_class,
+                  const BlockPlane& foretold, const PlaneSteps& steps,
+                  PlaneCode& want) const noexcept {
+    FlatWindow window;
+    load_window(job.tables, depths(job, row * 8) + i * 8, job.tables.config->camera.width,
+                std::min(8U, job.columns() - i * 8),
+                std::min(8U, job.span.v1 - job.span.v0 - row * 8), ray_class, window);
+    FlatCode code;
+    if (!fit_flat(window, foretold, steps, job.last_level, code)) return false;
+    want = {code.offset, code.dx, code.dy};
+    return true;
+  }
+
+  // The correction of a reading, in steps; kMaxUnary + 1 announces `jump`.
+  std::int32_t want_correction(const MixJob& job, const BlendedPixel& p, std::uint32_t ray_class,
+                               std::uint16_t depth, MixJump& jump) const noexcept {
+    const LevelTable& levels = *job.tables.levels;
+    const std::uint32_t limit =
+        job.tables.bounds->max_error(depth, static_cast<std::uint8_t>(ray_class));
+    const auto within = [&](std::int32_t level) {
+      return static_cast<std::uint32_t>(std::abs(
+                 int{levels.depth(static_cast<std::uint32_t>(level))} - int{depth})) <= limit;
+    };
+    if (within(p.level)) return 0;
+    const std::int32_t own = levels.nearest(depth);
+    const bool up =
+        own > p.level || (own == p.level && depth > levels.depth(static_cast<std::uint32_t>(own)));
+    const int sign = up ? 1 : -1;
+    const std::int32_t step = p.step();
+    // The first step whose window may hold the reading, and the two after it.
+    const std::int32_t least = std::abs(own - p.level) - 2 * p.half_width;
+    const std::int32_t first = least < 2 * step ? 1 : least / step;
+    for (std::int32_t n = first; n <= first + 3 && n <= kMaxUnary; ++n) {
+      const std::int32_t level = p.level + sign * n * step;
+      if (level < 1 || level > job.last_level) break;
+      if (within(level)) return sign * n;
+    }
+    jump = {within(own) ? std::abs(own - p.level) : 0, depth};
+    return sign * (kMaxUnary + 1);
+  }
+};
+
+std::uint16_t first_reading(const MixWriter& writer, const MixJob& job) noexcept {
+  for (std::uint32_t v = 0; v < job.span.v1 - job.span.v0; ++v) {
+    for (std::uint32_t x = 0; x < job.columns(); ++x) {
+      if (const std::uint16_t depth = writer.want_depth(job, x, v); depth != 0) return depth;
+    }
+  }
+  return 0;
+}
+
+void code_head(MixWriter& writer, MixJob& job) noexcept {
+  const CameraModel& camera = job.tables.config->camera;
+  RangeEncoder& coder = writer.coder;
+  coder.raw(kModelled, 1);
+  code_rect(coder, camera, job.rect);
+  coder.raw(kMixedTile, 1);
+  for (std::uint32_t by = 0; by < job.rect.bh; ++by) {
+    const BlockLabel* labels =
+        &writer.frame.blocks[std::size_t{job.rect.by + by} * blocks_wide(camera) + job.rect.bx];
+    for (std::uint32_t bx = 0; bx < job.rect.bw; ++bx) {
+      writer.local.use(labels[bx].first);
+      if (job.surfaces_kind) writer.local.use(labels[bx].second);
+    }
+  }
+  const std::uint16_t first = first_reading(writer, job);
+  job.begin_at(first);
+  coder.raw(first, 16);
+  job.surface_count = writer.local.count;
+  coder.raw(static_cast<std::uint32_t>(job.surface_count), kLabelBits);
+  if (job.surface_count == 0) return;
+  coder.raw(writer.frame.shift, 5);
+  for (int i = 1; i <= job.surface_count; ++i) {
+    job.surfaces[i] = writer.frame.surfaces[writer.local.frame_of[i] - 1U];
+    code_surface(coder, job.surfaces[i], writer.frame.shift);
+  }
+}
+
+}  // namespace
+
+Status MixPacker::pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
+                       std::span<std::uint8_t> out, TileReport& report) noexcept {
+  MixJob job(tables, rect);
+  // Counts as they are set the upper limit of what a tile may cost.
+  const std::size_t verbatim_bytes =
+      std::size_t{job.columns()} * (job.span.v1 - job.span.v0) * 2 + 8;
+  MixWriter writer{RangeEncoder(out.first(std::min(out.size(), verbatim_bytes))), frame};
+  code_head(writer, job);
+  const Status status = MixTile<MixWriter>(job, scratch_, writer).code();
+  if (status != Status::kOk) return status;
+  const std::size_t used = writer.coder.finish();
+  report = {used, job.points, job.corrections, false};
+  return writer.coder.overflow() ? Status::kTooLarge : Status::kOk;
+}
+
+}  // namespace planecast
