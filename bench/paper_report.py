@@ -223,15 +223,15 @@ def figures(rows, plots):
     series = []
     for title, value in (("ratio %, 12 B", lambda r: r["ratio_percent"]),
                          ("points kept %", lambda r: 100 * r["points_out"] / r["points_in"]),
-                         ("RMSE [mm], mean of both ways", lambda r: r["d1_mm"]),
+                         ("RMSE [mm], both ways", lambda r: r["d1_mm"]),
                          ("RMSE [mm] of kept", lambda r: r["d1_kept_mm"])):
         series.append((title, [(i + 1, mean([r for r in of(rows, "chain") if r["class"] == c], value))
                                for i, c in enumerate(classes)]))
     save("paper_figure8.svg", "Figure 8: by class", " ".join(
-        f"{i + 1}: {c}" for i, c in enumerate(classes)), "", series)
+        f"{i + 1}: {c}" for i, c in enumerate(classes)), "", series, log_y=True)
     for name, group in compared(rows).items():
         names = dict.fromkeys(r["codec"] for r in group)
-        save(f"paper_figure9_{name}.svg", f"Figure 9, {name}: ratio against RMSE", "RMSE [mm]",
+        save(f"paper_figure9_{name}.svg", f"Figure 9, {name}: ratio against RMSE", "RMSE [mm], 0 drawn at 0.001",
              "ratio %, 12 B", [(c, [(max(r["d1_mm"], 0.001), r["ratio_percent"]) for r in group
                                     if r["codec"] == c]) for c in names], log_x=True,
              bold=("the paper's chain",))

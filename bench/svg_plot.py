@@ -14,7 +14,8 @@ def escape(text):
 def ticks(low, high, log):
     if log:
         first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-        every = [m * 10.0 ** e for e in range(first, last + 1) for m in (1, 2, 5)]
+        between = (1, 2, 5) if high / low < 1000 else (1,)
+        every = [m * 10.0 ** e for e in range(first, last + 1) for m in between]
         return [t for t in every if low * 0.999 <= t <= high * 1.001]
     span = high - low or 1.0
     step = 10.0 ** math.floor(math.log10(span / 4))
