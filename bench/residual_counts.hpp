@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "core/predict/residual_context.hpp"
@@ -17,7 +18,7 @@ class ResidualCounts {
  public:
   /// Goes over a decoded tile as its decoder did. `labels` as TileTarget's.
   void add(const CodingTables& tables, const TileContent& content,
-           const std::vector<std::uint16_t>& depth, const std::vector<std::uint8_t>& labels) {
+           std::span<const std::uint16_t> depth, std::span<const std::uint8_t> labels) {
     clear_rows(rows_, content.rect.bw);
     const CameraModel& camera = tables.config->camera;
     const TileSpan span = tile_span(camera, content.rect);
@@ -71,7 +72,7 @@ class ResidualCounts {
   using Counts = std::array<double, 16>;
   static constexpr double kMostOfAnInput = 500;
 
-  static std::uint8_t label_of(const CameraModel& camera, const std::vector<std::uint8_t>& labels,
+  static std::uint8_t label_of(const CameraModel& camera, std::span<const std::uint8_t> labels,
                                std::uint32_t u0, std::uint32_t u1, std::uint32_t v0,
                                std::uint32_t v_end) {
     for (std::uint32_t v = v0; v < std::min(v0 + 8, v_end); ++v) {

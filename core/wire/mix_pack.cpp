@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "core/wire/correction_search.hpp"
 #include "core/wire/flat_fit.hpp"
 #include "core/wire/tile_pack_job.hpp"
 #include "core/wire/tile_write.hpp"
@@ -103,26 +104,11 @@ struct MixWriter {
     const LevelTable& levels = *job.tables.levels;
     const std::uint32_t limit =
         job.tables.bounds->max_error(depth, static_cast<std::uint8_t>(ray_class));
-    const auto within = [&](std::int32_t level) {
-      return static_cast<std::uint32_t>(std::abs(
-                 int{levels.depth(static_cast<std::uint32_t>(level))} - int{depth})) <= limit;
-    };
-    if (within(p.level)) return 0;
-    const std::int32_t own = levels.nearest(depth);
-    const bool up =
-        own > p.level || (own == p.level && depth > levels.depth(static_cast<std::uint32_t>(own)));
-    const int sign = up ? 1 : -1;
-    const std::int32_t step = p.step();
-    // The first step whose window may hold the reading, and the two after it.
-    const std::int32_t least = std::abs(own - p.level) - 2 * p.half_width;
-    const std::int32_t first = least < 2 * step ? 1 : least / step;
-    for (std::int32_t n = first; n <= first + 3 && n <= kMaxUnary; ++n) {
-      const std::int32_t level = p.level + sign * n * step;
-      if (level < 1 || level > job.last_level) break;
-      if (within(level)) return sign * n;
-    }
-    jump = {within(own) ? std::abs(own - p.level) : 0, depth};
-    return sign * (kMaxUnary + 1);
+    const int off = int{levels.depth(static_cast<std::uint32_t>(p.level))} - int{depth};
+    if (static_cast<std::uint32_t>(std::abs(off)) <= limit) return 0;
+    const Correction found = find_correction(levels, p, depth, limit, job.last_level);
+    if (std::abs(found.steps) > kMaxUnary) jump = {found.jump, depth};
+    return found.steps;
   }
 };
 

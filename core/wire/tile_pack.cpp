@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdlib>
 
+#include "core/wire/correction_search.hpp"
 #include "core/wire/flat_fit.hpp"
 #include "core/wire/tile_pack_job.hpp"
 #include "core/wire/tile_write.hpp"
@@ -292,30 +293,10 @@ bool TilePacker::choose_surface(const Job& job, const Segment& segment, std::uin
 // The correction of a reading that its prediction does not hold; returns the level it leads to.
 std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
                                  std::uint32_t limit, Token& token) noexcept {
-  const LevelTable& levels = *job.tables.levels;
-  const auto within = [&](std::int32_t level) {
-    return static_cast<std::uint32_t>(std::abs(
-               int{levels.depth(static_cast<std::uint32_t>(level))} - int{depth})) <= limit;
-  };
-  const std::int32_t own = levels.nearest(depth);
-  const bool up =
-      own > p.level || (own == p.level && depth > levels.depth(static_cast<std::uint32_t>(own)));
-  const int sign = up ? 1 : -1;
-  const std::int32_t step = p.step();
-  // The first step whose window may hold the reading, and the two after it.
-  const std::int32_t least = std::abs(own - p.level) - 2 * p.half_width;
-  const std::int32_t first = least < 2 * step ? 1 : least / step;
-  for (std::int32_t n = first; n <= first + 3 && n <= kMaxUnary; ++n) {
-    const std::int32_t level = p.level + sign * n * step;
-    if (level < 1 || level > job.last_level) break;
-    if (!within(level)) continue;
-    token.correction = static_cast<std::int8_t>(sign * n);
-    return level;
-  }
-  token.correction = static_cast<std::int8_t>(sign * (kMaxUnary + 1));
-  const bool near_own = within(own);
-  jumps_[jumps_in_++] = {near_own ? std::abs(own - p.level) : 0, depth};
-  return own;
+  const Correction found = find_correction(*job.tables.levels, p, depth, limit, job.last_level);
+  token.correction = static_cast<std::int8_t>(found.steps);
+  if (std::abs(found.steps) > kMaxUnary) jumps_[jumps_in_++] = {found.jump, depth};
+  return found.level;
 }
 
 Status TilePacker::store(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,

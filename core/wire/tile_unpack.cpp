@@ -267,6 +267,14 @@ void TileUnpacker::read_flat(Job& job, RangeDecoder& coder, const TileRows rows,
   while (more < kMaxUnary && coder.bit(unary[more])) ++more;
   correction = sign * (more + 1);
   if (more < kMaxUnary) return p.level + correction * p.step();
+  return read_jump(levels, coder, p.level, sign, depth);
+}
+
+// A level far from `from`, 0 for one that cannot be; `depth` becomes the count when that is off the
+// levels.
+std::int32_t TileUnpacker::read_jump(const LevelTable& levels, RangeDecoder& coder,
+                                     std::int32_t from, std::int32_t sign,
+                                     std::uint16_t& depth) noexcept {
   const auto length = static_cast<int>(read_tree(coder, models_.jump_length, kJumpBits));
   if (length == 0) {
     depth = static_cast<std::uint16_t>(coder.raw(16));
@@ -279,7 +287,7 @@ void TileUnpacker::read_flat(Job& job, RangeDecoder& coder, const TileRows rows,
     if (length > 2)
       distance = (distance << (length - 2)) + static_cast<std::int32_t>(coder.raw(length - 2));
   }
-  return p.level + sign * distance;
+  return from + sign * distance;
 }
 
 // False for a value that no encoder writes. What the loop uses is copied first: a store of a byte

@@ -51,6 +51,8 @@ class TileUnpacker {
   Status read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept;
   Status read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_v) noexcept;
   Status read_lossless_row(Job& job, RangeDecoder& shared, std::uint32_t tile_v) noexcept;
+  std::int32_t read_jump(const LevelTable& levels, RangeDecoder& coder, std::int32_t from,
+                         std::int32_t sign, std::uint16_t& depth) noexcept;
   std::int32_t read_far(const LevelTable& levels, RangeDecoder& coder, std::int32_t prediction,
                         std::uint16_t& depth) noexcept;
   bool read_segment(Job& job, RangeDecoder& shared, TileRows rows, const Segment& segment) noexcept;
@@ -68,7 +70,7 @@ class TileUnpacker {
   std::span<BlockSurface> surfaces_;
   TileModels models_;
   ResidualModels residuals_;  ///< of lossless tiles
-  MixUnpacker mix_;  ///< of `--effort best`
+  MixUnpacker mix_;           ///< of `--effort best`
 };
 
 }  // namespace planecast

@@ -13,19 +13,7 @@ namespace planecast {
                                                       std::int32_t prediction,
                                                       std::uint16_t& depth) noexcept {
   const std::int32_t sign = coder.raw(1) != 0 ? -1 : 1;
-  const auto length = static_cast<int>(read_tree(coder, models_.jump_length, kJumpBits));
-  if (length == 0) {
-    depth = static_cast<std::uint16_t>(coder.raw(16));
-    return levels.nearest(depth);
-  }
-  if (length > 16) return 0;
-  std::int32_t distance = 1;
-  if (length > 1) {
-    distance = 2 + (coder.bit(models_.jump_top[length]) ? 1 : 0);
-    if (length > 2)
-      distance = (distance << (length - 2)) + static_cast<std::int32_t>(coder.raw(length - 2));
-  }
-  return prediction + sign * distance;
+  return read_jump(levels, coder, prediction, sign, depth);
 }
 
 // What the loop uses is copied first, as in read_segment().
