@@ -175,7 +175,8 @@ std::vector<Spec> method_specs() {
        number(0.01, 90.0, "3", &O::smoothness_deg)},
       {"k", "N", kMethod, "Neighbours that make a normal, 3 to 128. Default: 30",
        whole(3, 128, "30", &O::k)},
-      {"effort", "fast|best", kMethod, "Encode depth images in real time, or smaller and four times slower. Default: fast",
+      {"effort", "fast|best", kMethod,
+       "Depth images in real time, or smaller at five times the time.\nDefault: fast",
        either("fast", Effort::kFast, "best", Effort::kBest, &O::effort)},
       {"budget-ms", "MS", kMethod,
        "Time a frame may take; less is done to one that would take longer.\n"
