@@ -12,6 +12,7 @@
 
 #include "apps/common/command_line.hpp"
 #include "apps/common/exit_codes.hpp"
+#include "apps/common/points_setup.hpp"
 #include "bench/latency_run.hpp"
 #include "bench/latency_svg.hpp"
 
@@ -46,6 +47,9 @@ Result<StreamSetup> load(const Wishes& wishes, const CodecOptions& options, Fram
   for (; more.ok() && *more && frames.count() < wishes.preload; more = (*source)->next(frame)) {
     if (setup->encoder.stream.kind == FrameKind::kDepth) {
       if (const auto done = to_depth(*setup, frame, frames.depth.emplace_back()); !done.ok())
+        return done.error();
+    } else if (setup->encoder.stream.kind == FrameKind::kPoints) {
+      if (const auto done = to_points(*setup, frame, frames.points.emplace_back()); !done.ok())
         return done.error();
     } else {
       if (const auto done = to_raw_points(*setup, frame, frames.points.emplace_back()); !done.ok())

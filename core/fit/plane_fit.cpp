@@ -141,6 +141,49 @@ double shared_noise(const RegionMap& regions, std::span<const RegionFit> fits) n
   return readings > 0 ? std::max(1.0, products / readings) : 1;
 }
 
+// A region's plane by its clean cells, and how far it is from them.
+struct CleanPlane {
+  PlaneSums sums;
+  double readings = 0, squares = 0;
+  std::uint32_t cells = 0;  ///< none where there are too few for a fit
+};
+using CleanPlanes = std::array<CleanPlane, kMaxSurfaces + 1>;
+
+CleanPlanes clean_planes(const RegionMap& regions, std::span<const RegionFit> fits) noexcept {
+  CleanPlanes planes{};
+  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool inside) {
+    if (is_curved(regions, label) ||
+        cell_residual(cell, fits[label - 1U].surface) > (inside ? kInlier : kClean))
+      return;
+    planes[label].sums.add(plane_sums(cell));
+    planes[label].readings += double{cell.n};
+    ++planes[label].cells;
+  });
+  for (CleanPlane& plane : planes) {
+    FloatSurface own;
+    if (plane.cells < kInside || !plane.sums.solve(own)) {
+      plane.cells = 0;
+    } else {
+      plane.squares = plane.sums.mean_square(own) * plane.sums.n;
+    }
+  }
+  return planes;
+}
+
+// Whether one plane does for both: then `first` becomes it.
+bool join(CleanPlane& first, const CleanPlane& second) noexcept {
+  CleanPlane both = first;
+  both.sums.add(second.sums);
+  FloatSurface plane;
+  if (!both.sums.solve(plane)) return false;
+  both.squares = both.sums.mean_square(plane) * both.sums.n;
+  if (both.squares - first.squares - second.squares > kJoinSlack * second.readings) return false;
+  both.readings += second.readings;
+  both.cells += second.cells;
+  first = both;
+  return true;
+}
+
 }  // namespace
 
 void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
@@ -177,48 +220,18 @@ void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
 }
 
 int join_planes(RegionMap& regions, std::span<RegionFit> fits) noexcept {
-  struct Plane {
-    PlaneSums sums;
-    double readings = 0, squares = 0;
-    std::uint32_t cells = 0;
-  };
-  std::array<Plane, kMaxSurfaces + 1> planes{};
-  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool inside) {
-    if (is_curved(regions, label) ||
-        cell_residual(cell, fits[label - 1U].surface) > (inside ? kInlier : kClean))
-      return;
-    planes[label].sums.add(plane_sums(cell));
-    planes[label].readings += double{cell.n};
-    ++planes[label].cells;
-  });
+  CleanPlanes planes = clean_planes(regions, fits);
   std::array<std::uint8_t, kMaxSurfaces + 1> into{};
-  for (int k = 1; k <= regions.regions; ++k) {
-    Plane& plane = planes[k];
-    into[k] = static_cast<std::uint8_t>(k);
-    FloatSurface own;
-    if (plane.cells < kInside || !plane.sums.solve(own)) {
-      plane.cells = 0;
-    } else {
-      plane.squares = plane.sums.mean_square(own) * plane.sums.n;
-    }
-  }
+  for (std::size_t k = 0; k < into.size(); ++k) into[k] = static_cast<std::uint8_t>(k);
   int joined = 0;
   for (int a = 1; a <= regions.regions; ++a) {
     for (int b = 1; b <= regions.regions; ++b) {
-      Plane &first = planes[a], &second = planes[b];
-      if (a == b || first.cells < second.cells || second.cells == 0) continue;
-      Plane both = first;
-      both.sums.add(second.sums);
-      FloatSurface plane;
-      if (!both.sums.solve(plane)) continue;
-      both.squares = both.sums.mean_square(plane) * both.sums.n;
-      if (both.squares - first.squares - second.squares > kJoinSlack * second.readings) continue;
-      both.readings += second.readings;
-      both.cells += second.cells;
-      first = both;
+      CleanPlane &first = planes[a], &second = planes[b];
+      if (a == b || first.cells < second.cells || second.cells == 0 || !join(first, second))
+        continue;
       second.cells = 0;
-      for (int k = 1; k <= regions.regions; ++k) {
-        if (into[k] == b) into[k] = static_cast<std::uint8_t>(a);
+      for (std::uint8_t& to : into) {
+        if (to == b) to = static_cast<std::uint8_t>(a);
       }
       ++joined;
     }
