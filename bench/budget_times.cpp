@@ -75,7 +75,7 @@ int run(const std::vector<std::string>& inputs, const CodecOptions& options) {
   if (!setup.ok()) return fail(setup.error());
   fmt::print("{:>9} | {:>8} {:>8} {:>8} | {:>6} | {:>10} {:>10} {:>10} {:>10} | bit/point\n",
              "budget ms", "p50 ms", "p95 ms", "max ms", "> 110%", "full", "planes", "neighbours",
-             "stored");
+             "runs");
   for (const double budget : kBudgets) {
     if (const auto done = time_budget(*setup, frames, budget); !done.ok())
       return fail(done.error());

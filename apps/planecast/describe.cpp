@@ -172,6 +172,7 @@ Json describe(const PacketHeader& header, const TileContent& tile, const CameraM
               {"points", tile.points},
               {"corrections", tile.corrections},
               {"verbatim", tile.verbatim},
+              {"runs", tile.runs},
               {"surfaces", Json::array()}};
   for (std::uint32_t i = 0; i < tile.surfaces; ++i)
     out["surfaces"].push_back(surface_of(tile.surface[i], camera));

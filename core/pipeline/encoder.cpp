@@ -150,7 +150,7 @@ Result<std::unique_ptr<Encoder>> Encoder::create(const EncoderConfig& config,
   encoder->budget_.set(
       static_cast<std::int64_t>(config.budget_ms * 1e6), config.clock,
       config.stream.camera.pixels(),
-      config.stream.drop_off_surface ? FrameEffort::kPlanes : FrameEffort::kStored);
+      config.stream.drop_off_surface ? FrameEffort::kPlanes : FrameEffort::kNeighbours);
   StageOptions options = config.stages;
   options.budget = &encoder->budget_;
   if (helped(config)) {

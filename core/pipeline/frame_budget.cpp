@@ -10,7 +10,7 @@ namespace {
 // [ns] a pixel, for what has not been measured yet: twice what a server takes, so that the first
 // frames rather do less.
 constexpr std::int64_t kGuess[kTimedStages][kFrameEfforts] = {
-    {8, 6, 0, 0}, {10, 8, 0, 0}, {100, 100, 100, 24}};
+    {8, 6, 0, 0}, {10, 8, 0, 0}, {80, 80, 80, 16}};
 
 // Of a gap between what is expected and less, the share that one frame closes.
 constexpr std::int64_t kForget = 8;
@@ -31,8 +31,8 @@ const char* to_string(FrameEffort effort) noexcept {
       return "planes";
     case FrameEffort::kNeighbours:
       return "neighbours";
-    case FrameEffort::kStored:
-      return "stored";
+    case FrameEffort::kRuns:
+      return "runs";
   }
   return "unknown";
 }
@@ -66,6 +66,11 @@ std::int64_t FrameBudget::expected(TimedStage stage, FrameEffort effort) const n
     return cost * kGuess[s][e] / kGuess[s][other];
   }
   return kGuess[s][e] * pixels_;
+}
+
+std::int64_t FrameBudget::measured(TimedStage stage, FrameEffort effort) const noexcept {
+  const auto& cost = learned_[static_cast<std::size_t>(stage)][static_cast<std::size_t>(effort)];
+  return std::max<std::int64_t>(cost.load(std::memory_order_relaxed), 0);
 }
 
 FrameEffort FrameBudget::plan(TimedStage stage, FrameEffort current,

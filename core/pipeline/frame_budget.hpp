@@ -13,11 +13,11 @@ enum class FrameEffort : std::uint8_t {
   kFull = 0,        ///< all there is
   kPlanes = 1,      ///< no degree two, no consensus
   kNeighbours = 2,  ///< no surfaces
-  kStored = 3,      ///< tiles that no time is left for hold their counts as they are
+  kRuns = 3,        ///< tiles that no time is left for are coded by runs
 };
 inline constexpr std::size_t kFrameEfforts = 4;
 
-/// "full", "planes", "neighbours", "stored".
+/// "full", "planes", "neighbours", "runs".
 const char* to_string(FrameEffort effort) noexcept;
 
 /// CPU time of the calling thread [ns].
@@ -33,10 +33,11 @@ inline constexpr std::size_t kTimedStages = 3;
 /// Plans and learns. Any thread; relaxed counters, since a plan may be a frame old.
 class FrameBudget {
  public:
-  /// `budget_ns` of one frame, 0 = none; `least`: no less effort than this may be planned (streams
-  /// that drop what lies on no surface need surfaces). Call before the stages run.
+  /// `budget_ns` of one frame, 0 = none; `least`: no less effort than this is planned (streams that
+  /// drop what lies on no surface need surfaces). Below kNeighbours nothing is planned: the packer
+  /// itself goes over to runs where it is late. Call before the stages run.
   void set(std::int64_t budget_ns, FrameClock clock, std::uint32_t pixels,
-           FrameEffort least = FrameEffort::kStored) noexcept;
+           FrameEffort least = FrameEffort::kNeighbours) noexcept;
 
   bool limited() const noexcept { return budget_ns_ > 0; }
   std::int64_t budget_ns() const noexcept { return budget_ns_; }
@@ -51,8 +52,11 @@ class FrameBudget {
   /// believed to get cheaper with every frame, so that it is tried again.
   void learn(TimedStage stage, FrameEffort effort, std::int64_t took_ns) noexcept;
 
-  /// What a stage is expected to take [ns].
+  /// What a stage is expected to take [ns]; of one never measured, a cautious guess.
   std::int64_t expected(TimedStage stage, FrameEffort effort) const noexcept;
+
+  /// What a stage took lately [ns], 0 = never measured.
+  std::int64_t measured(TimedStage stage, FrameEffort effort) const noexcept;
 
  private:
   using Costs = std::array<std::atomic<std::int64_t>, kFrameEfforts>;
@@ -60,7 +64,7 @@ class FrameBudget {
   std::int64_t budget_ns_ = 0;
   FrameClock clock_ = thread_cpu_ns;
   std::uint32_t pixels_ = 0;
-  FrameEffort least_ = FrameEffort::kStored;
+  FrameEffort least_ = FrameEffort::kNeighbours;
   std::array<Costs, kTimedStages> learned_{};
 };
 

@@ -182,10 +182,9 @@ PackDeadline PackStage::deadline_of(const FrameSlot& slot) const noexcept {
   PackDeadline deadline;
   if (options_.budget == nullptr || !options_.budget->limited()) return deadline;
   deadline.clock = options_.budget->now_function();
-  deadline.end_ns = deadline.clock();
-  if (slot.effort != FrameEffort::kStored)
-    deadline.end_ns += options_.budget->budget_ns() - slot.spent_ns;
-  deadline.stored_ns = options_.budget->expected(TimedStage::kPack, FrameEffort::kStored);
+  deadline.end_ns = deadline.clock() + options_.budget->budget_ns() - slot.spent_ns;
+  deadline.modelled_ns = options_.budget->measured(TimedStage::kPack, slot.effort);
+  deadline.runs_ns = options_.budget->expected(TimedStage::kPack, FrameEffort::kRuns);
   return deadline;
 }
 
@@ -203,14 +202,29 @@ Status PackStage::pack(const FrameIdentity& identity, FrameSlot& slot) noexcept 
   return list_packer_.process(*tables_, options_, identity, slot);
 }
 
+// What the whole frame would have taken with models alone, and by runs alone.
+void PackStage::learn_pace(const FrameSlot& slot) noexcept {
+  const PackPace& pace = slot.report.pace;
+  const CameraModel& camera = tables_->config().camera;
+  const std::int64_t blocks = std::int64_t{blocks_wide(camera)} * blocks_high(camera);
+  if (pace.modelled_blocks > 0) {
+    options_.budget->learn(TimedStage::kPack, slot.effort,
+                           pace.modelled_ns * blocks / pace.modelled_blocks);
+  }
+  if (pace.run_blocks > 0) {
+    options_.budget->learn(TimedStage::kPack, FrameEffort::kRuns,
+                           pace.runs_ns * blocks / pace.run_blocks);
+  }
+}
+
 Status PackStage::process(FrameSlot& slot) noexcept {
   const StreamConfig& config = tables_->config();
   const FrameIdentity identity{config.stream, static_cast<std::uint32_t>(slot.number),
                                stamp_offset(slot.stamp_ns, config.epoch_ns), tables_->key_hash()};
   slot.report = {};
-  const TimedWork work(options_.budget, TimedStage::kPack, slot);
   const Status status = pack(identity, slot);
-  if (slot.report.stored_tiles > 0) slot.effort = FrameEffort::kStored;
+  if (options_.budget != nullptr && status == Status::kOk) learn_pace(slot);
+  if (slot.report.run_tiles > 0) slot.effort = FrameEffort::kRuns;
   if (status != Status::kOk) slot.report = {};  // slices of half a frame are none
   if (config.kind == FrameKind::kRawCloud) slot.counts.input = slot.report.points;
   slot.counts.kept = slot.report.points;

@@ -76,6 +76,7 @@ class PackStage {
   Status process(FrameSlot& slot) noexcept;
 
  private:
+  void learn_pace(const FrameSlot& slot) noexcept;
   PackDeadline deadline_of(const FrameSlot& slot) const noexcept;
   Status pack(const FrameIdentity& identity, FrameSlot& slot) noexcept;
 

@@ -13,6 +13,7 @@ struct DecodeIo {
   RangeDecoder& coder;
 
   bool bit(BitModel& model, bool /*value*/) noexcept { return coder.bit(model); }
+  int symbol(SymbolModel& model, int /*value*/) noexcept { return coder.symbol(model); }
   std::uint32_t raw(std::uint32_t /*value*/, int bits) noexcept { return coder.raw(bits); }
   /// The stream ended before what was read.
   bool failed() const noexcept { return coder.truncated(); }

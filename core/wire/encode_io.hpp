@@ -16,6 +16,10 @@ struct EncodeIo {
     coder.bit(model, value);
     return value;
   }
+  int symbol(SymbolModel& model, int value) noexcept {
+    coder.symbol(model, value);
+    return value;
+  }
   std::uint32_t raw(std::uint32_t value, int bits) noexcept {
     coder.raw(value, bits);
     return value;

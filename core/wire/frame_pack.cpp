@@ -11,11 +11,10 @@ namespace {
 
 constexpr double kTileHeadBits = 120;
 constexpr double kFill = 7.2;  // bits planned for each byte of a slice
-// Against a deadline no tile is more than this share of a frame, and a tile may take this much
-// longer than those before it.
+// Against a deadline a tile that is coded by runs, or at an unknown pace, is no more than this
+// share of a frame, and a tile may take this much longer than those before it.
 constexpr std::uint32_t kDeadlineTiles = 32;
 constexpr double kSlowTile = 1.5;
-constexpr std::size_t kStoredHead = 16;                                   // bytes
 constexpr std::size_t kMostBlockBytes = 64 * 2 + 8 + kPacketHeaderBytes;  // a slice of its own
 
 std::uint32_t ceil_blocks(std::uint32_t pixels) noexcept {
@@ -35,7 +34,6 @@ struct FramePacker::Job {
   const WorkTeam& team;
   bool one_slice = false;  ///< any frame fits: nothing to estimate
   PackDeadline deadline = {};
-  std::int64_t begin_ns = 0;
   std::uint32_t blocks = 0;
   FramePacker* packer = nullptr;
   std::uint32_t part_count = 0;
@@ -51,7 +49,6 @@ struct FramePacker::Part {
   std::span<SlicePlace> places = {};
   FrameReport report = {};
   PackMoments moments = {};
-  std::uint32_t blocks_done = 0;
   Status status = Status::kOk;
 };
 
@@ -87,7 +84,6 @@ Status FramePacker::pack(const CodingTables& tables, const FrameModel& frame,
                   std::max(camera.width, camera.height) <= kMaxTileSide &&
                   deadline.clock == nullptr;
   job.deadline = deadline;
-  if (deadline.clock != nullptr) job.begin_ns = deadline.clock();
   if (!job.one_slice) estimate_costs(tables, frame);
   Status status = pack_whole(job);
   if (status == Status::kOk && !calibrated_ && report.slices > 1 && deadline.clock == nullptr) {
@@ -136,7 +132,7 @@ Status FramePacker::pack_whole(Job& job) noexcept {
 // The first cuts that pack_rect() would make, down to `depth`.
 void FramePacker::cut(Job& job, const TileRect& rect, std::uint32_t depth) const noexcept {
   const bool single = rect.bw == 1 && rect.bh == 1;
-  if (depth == 0 || single || (small_enough(job, rect) && likely_fits(job, rect, false))) {
+  if (depth == 0 || single || (small_enough(job, rect, false) && likely_fits(job, rect, false))) {
     Part& part = (*job.parts)[job.part_count++];
     part = {};
     part.job = &job;
@@ -196,7 +192,8 @@ Status FramePacker::join(Job& job) const noexcept {
     all.bytes += part.report.bytes;
     all.points += part.report.points;
     all.corrections += part.report.corrections;
-    all.stored_tiles += part.report.stored_tiles;
+    all.run_tiles += part.report.run_tiles;
+    if (job.deadline.clock != nullptr) all.pace = part.report.pace;  // the only part
   }
   return Status::kOk;
 }
@@ -261,63 +258,89 @@ double FramePacker::budget_bits(const Job& job) noexcept {
   return static_cast<double>(job.slice_bytes - kPacketHeaderBytes) * kFill - kTileHeadBits;
 }
 
-// Whether what is left could not be stored in time any more after coding this tile at the pace so
-// far; the first tiles, without a pace, are small.
+// Whether what is left could not be coded by runs in time any more after coding this tile with
+// models, at the pace so far or that of frames before, whichever is slower.
 bool FramePacker::too_late(const Part& part, const TileRect& rect) noexcept {
   const Job& job = *part.job;
-  if (job.deadline.clock == nullptr) return false;
-  const double tile = rect.bw * rect.bh, done = part.blocks_done;
-  const auto gone = static_cast<double>(job.deadline.clock() - job.begin_ns);
-  const auto left = static_cast<double>(job.deadline.end_ns - job.begin_ns) - gone;
-  const double coding = done > 0 ? kSlowTile * gone * tile / done : 0;
-  const double storing =
-      static_cast<double>(job.deadline.stored_ns) * (job.blocks - done - tile) / job.blocks;
-  return coding + storing > left;
+  const PackDeadline& deadline = job.deadline;
+  if (deadline.clock == nullptr) return false;
+  const PackPace& pace = part.report.pace;
+  const double tile = rect.bw * rect.bh, blocks = job.blocks;
+  const double left = blocks - tile - pace.modelled_blocks - pace.run_blocks;
+  double modelled = static_cast<double>(deadline.modelled_ns) / blocks;
+  if (pace.modelled_blocks > 0)
+    modelled = std::max(modelled, static_cast<double>(pace.modelled_ns) / pace.modelled_blocks);
+  if (modelled == 0 && rect.bw * rect.bh > smallest_tile(job)) return true;
+  const double needed =
+      kSlowTile * modelled * tile + static_cast<double>(deadline.runs_ns) * left / blocks;
+  return needed > static_cast<double>(deadline.end_ns - deadline.clock());
+}
+
+// In blocks: what lateness does not make smaller.
+std::uint32_t FramePacker::smallest_tile(const Job& job) noexcept {
+  return std::max(job.blocks / kDeadlineTiles, 1U);
 }
 
 // Whether a tile may be so large, by the syntax and against a deadline.
-bool FramePacker::small_enough(const Job& job, const TileRect& rect) noexcept {
+bool FramePacker::small_enough(const Job& job, const TileRect& rect, bool late) noexcept {
   return rect.bw <= kMaxTileBlocks && rect.bh <= kMaxTileBlocks &&
-         (job.deadline.clock == nullptr ||
-          rect.bw * rect.bh * kDeadlineTiles <= std::max(job.blocks, kDeadlineTiles));
+         (!late || rect.bw * rect.bh <= smallest_tile(job));
 }
 
-bool FramePacker::likely_fits(const Job& job, const TileRect& rect, bool stored) const noexcept {
-  if (job.one_slice) return true;
-  if (stored) return rect.bw * rect.bh * 128 + kStoredHead <= job.slice_bytes - kPacketHeaderBytes;
-  return estimate(job, rect) <= budget_bits(job);
+bool FramePacker::likely_fits(const Job& job, const TileRect& rect, bool by_runs) const noexcept {
+  return job.one_slice || estimate(job, rect) * (by_runs ? run_scale_ : 1) <= budget_bits(job);
 }
 
 Status FramePacker::pack_rect(Part& part, const TileRect& rect) noexcept {
   const Job& job = *part.job;
   const bool single = rect.bw == 1 && rect.bh == 1;
-  const bool small = small_enough(job, rect);
-  const bool stored = small && too_late(part, rect);
-  if (!single && !(small && likely_fits(job, rect, stored))) return pack_halves(part, rect);
+  const bool late = too_late(part, rect);
+  if (!single && !(small_enough(job, rect, late) && likely_fits(job, rect, late)))
+    return pack_halves(part, rect);
 
   FrameReport& report = part.report;
   if (report.slices >= part.places.size()) return Status::kTooLarge;
-  const std::size_t offset = report.bytes;
-  if (part.out.size() < offset + kPacketHeaderBytes) return Status::kTooLarge;
-  const std::size_t room =
-      std::min(job.slice_bytes - kPacketHeaderBytes, part.out.size() - offset - kPacketHeaderBytes);
+  const auto offset = static_cast<std::uint32_t>(report.bytes);
   TileReport tile;
-  const std::span<std::uint8_t> into = part.out.subspan(offset + kPacketHeaderBytes, room);
-  const Status status = stored ? part.tiles->store(job.tables, job.frame, rect, into, tile)
-                               : part.tiles->pack(job.tables, job.frame, rect, into, tile);
+  const Status status = pack_tile(part, rect, late, tile);
   if (status == Status::kTooLarge && !single) return pack_halves(part, rect);
   if (status != Status::kOk) return status;
   const auto bytes = static_cast<std::uint32_t>(kPacketHeaderBytes + tile.bytes);
-  part.places[report.slices++] = {static_cast<std::uint32_t>(offset), bytes};
+  part.places[report.slices++] = {offset, bytes};
   report.bytes += bytes;
   report.points += tile.points;
   report.corrections += tile.corrections;
-  report.stored_tiles += stored ? 1 : 0;
-  part.blocks_done += rect.bw * rect.bh;
-  if (job.one_slice || stored) return Status::kOk;
+  report.run_tiles += late ? 1 : 0;
+  if (job.one_slice) return Status::kOk;
+  const double bits = static_cast<double>(tile.bytes) * 8 - kTileHeadBits;
+  if (late) {
+    const double ratio = bits / std::max(estimate(job, rect), 1.0);
+    run_scale_ += (std::clamp(ratio, 1.0, 64.0) - run_scale_) / 16;
+    return Status::kOk;
+  }
   const auto [off, on] = costs(job, rect);
-  part.moments.add(off, on, static_cast<double>(tile.bytes) * 8 - kTileHeadBits);
+  part.moments.add(off, on, bits);
   return Status::kOk;
+}
+
+// Codes a tile into the room that is left for its slice; measures how long, against a deadline.
+Status FramePacker::pack_tile(Part& part, const TileRect& rect, bool by_runs,
+                              TileReport& tile) noexcept {
+  const Job& job = *part.job;
+  const std::size_t body = part.report.bytes + kPacketHeaderBytes;
+  if (part.out.size() < body) return Status::kTooLarge;
+  const auto into = part.out.subspan(
+      body, std::min(job.slice_bytes - kPacketHeaderBytes, part.out.size() - body));
+  const auto clock = job.deadline.clock;
+  const std::int64_t begin = clock != nullptr ? clock() : 0;
+  const Status status = by_runs ? part.tiles->pack_runs(job.tables, job.frame, rect, into, tile)
+                                : part.tiles->pack(job.tables, job.frame, rect, into, tile);
+  if (clock == nullptr) return status;
+  PackPace& pace = part.report.pace;
+  (by_runs ? pace.runs_ns : pace.modelled_ns) += clock() - begin;
+  if (status == Status::kOk)
+    (by_runs ? pace.run_blocks : pace.modelled_blocks) += rect.bw * rect.bh;
+  return status;
 }
 
 Status FramePacker::pack_halves(Part& part, const TileRect& rect) noexcept {

@@ -37,6 +37,21 @@ struct SlicePlace {
   std::uint32_t bytes = 0;
 };
 
+/// When a frame must be packed. Tiles that begin so late that coding the rest by runs would just
+/// end in time are coded by runs as well: nothing is lost but bytes.
+struct PackDeadline {
+  std::int64_t (*clock)() noexcept = nullptr;  ///< none = no limit; [ns]
+  std::int64_t end_ns = 0;
+  std::int64_t modelled_ns = 0;  ///< what frames like this one took with models; 0 = not known
+  std::int64_t runs_ns = 0;      ///< what a whole frame takes by runs
+};
+
+/// What packing took, tile by tile [ns]: to plan the next frame by.
+struct PackPace {
+  std::int64_t modelled_ns = 0, runs_ns = 0;
+  std::uint32_t modelled_blocks = 0, run_blocks = 0;
+};
+
 /// What packing a frame gave.
 struct FrameReport {
   std::uint32_t slices = 0;
@@ -44,15 +59,8 @@ struct FrameReport {
   std::uint32_t points = 0;
   std::uint32_t corrections = 0;  ///< points with a correction that is not zero
   std::uint32_t surfaces = 0;
-  std::uint32_t stored_tiles = 0;  ///< for want of time
-};
-
-/// When a frame must be packed. Tiles that begin so late that storing the rest would just end in
-/// time hold their counts as they are: nothing is lost but bytes.
-struct PackDeadline {
-  std::int64_t (*clock)() noexcept = nullptr;  ///< none = no limit; [ns]
-  std::int64_t end_ns = 0;
-  std::int64_t stored_ns = 0;  ///< what storing a whole frame takes
+  std::uint32_t run_tiles = 0;  ///< coded by runs, for want of time
+  PackPace pace;                ///< with a deadline only
 };
 
 /// Bytes that a frame can never exceed, whatever its content.
@@ -97,14 +105,17 @@ class FramePacker {
   void calibrate(const Job& job, double share) noexcept;
   static double budget_bits(const Job& job) noexcept;
   static bool too_late(const Part& part, const TileRect& rect) noexcept;
-  static bool small_enough(const Job& job, const TileRect& rect) noexcept;
-  bool likely_fits(const Job& job, const TileRect& rect, bool stored) const noexcept;
+  static std::uint32_t smallest_tile(const Job& job) noexcept;
+  static bool small_enough(const Job& job, const TileRect& rect, bool late) noexcept;
+  bool likely_fits(const Job& job, const TileRect& rect, bool by_runs) const noexcept;
   std::array<TileRect, 2> halves(const Job& job, const TileRect& rect) const noexcept;
   Status pack_rect(Part& part, const TileRect& rect) noexcept;
+  Status pack_tile(Part& part, const TileRect& rect, bool by_runs, TileReport& tile) noexcept;
   Status pack_halves(Part& part, const TileRect& rect) noexcept;
 
   std::array<TilePacker, kMaxTeamWorkers> tiles_;
   std::span<Costs> cost_sums_;  ///< summed-area table of block costs, one more each way
+  double run_scale_ = 4;        ///< of tiles coded by runs: their bits over those of the others
   double scales_[2] = {1, 1};   ///< measured bits over estimated bits, off surfaces and on
   bool calibrated_ = false;     ///< scales_ come from a frame
 };

@@ -26,6 +26,7 @@ struct TileContent {
   std::uint32_t surfaces = 0;                   ///< surfaces the tile carries
   std::array<Surface, kMaxSurfaces> surface{};  ///< the first `surfaces` are in use
   bool verbatim = false;
+  bool runs = false;   ///< coded by runs, for want of time
   bool mixed = false;  ///< coded as `--effort best` does
 };
 

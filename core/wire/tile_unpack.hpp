@@ -42,9 +42,11 @@ class TileUnpacker {
   struct Job;
   struct Segment;
 
-  static Status read_place(const CameraModel& camera, RangeDecoder& coder, bool& verbatim,
+  static Status read_place(const CameraModel& camera, RangeDecoder& coder, bool& modelled,
                            TileRect& rect) noexcept;
   Status read_head(Job& job, RangeDecoder& coder) noexcept;
+  static void clear_labels(const Job& job) noexcept;
+  Status read_runs(Job& job, RangeDecoder& coder) noexcept;
   Status read_verbatim(Job& job, RangeDecoder& coder) noexcept;
   Status read_block(Job& job, RangeDecoder& coder, BlockState& block,
                     const BlockNeighbours& n) noexcept;

@@ -8,6 +8,7 @@
 #include "core/wire/packet_header.hpp"
 #include "core/wire/plc_format.hpp"
 #include "core/wire/range_encoder.hpp"
+#include "core/wire/run_tile.hpp"
 
 namespace planecast::test {
 namespace {
@@ -155,7 +156,16 @@ void add_slices(Collection& c, const Bytes& slice, const Bytes& raw) {
   c.add(Status::kTruncated, "slice_empty", slice, [](Bytes& b) { b.resize(kBody); });
   c.add_body(Status::kTruncated, "slice_counts_missing", slice, [&](RangeEncoder& e) {
     rect(e, 1, 5, 3, 4);
+    e.raw(kCountsTile, 1);
     for (int i = 0; i < 50; ++i) e.raw(0xabcd, 16);
+  });
+  c.add_body(Status::kBadSymbol, "slice_run_beyond", slice, [&](RangeEncoder& e) {
+    rect(e, 1, 5, 3, 4);
+    e.raw(kRunTile, 1);
+    SymbolModel run;
+    e.symbol(run, kRunToEnd - 1);
+    e.raw(0, 6);
+    e.raw(0, 16);
   });
   c.add_body(Status::kFieldRange, "slice_outside", slice,
              [&](RangeEncoder& e) { rect(e, 0, 5, 19, 4); });

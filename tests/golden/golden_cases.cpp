@@ -210,6 +210,16 @@ void add_sizes(const Images& in, std::vector<GoldenCase>& out) {
   Pcg32 random(3);
   for (auto& d : c.depth[0]) d = static_cast<std::uint16_t>(random.next());
   out.push_back(c);
+  for (const bool lossless : {false, true}) {
+    c = {lossless ? "runs_lossless_64x48" : "runs_64x48",
+         room_config(64, 48),
+         kWireSlice,
+         {in[2]},
+         {}};
+    if (!lossless) set_bound(c.config, ToleranceKind::kSigma, 2U << 16U);
+    c.no_time = true;
+    out.push_back(c);
+  }
   out.push_back({"lossless_1x1", room_config(1, 1), kWireSlice, {{65535}}, {}});
   out.push_back(
       {"holes_64x48", room_config(64, 48), kWireSlice, {Images::value_type(64 * 48)}, {}});

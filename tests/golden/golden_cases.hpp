@@ -23,7 +23,8 @@ struct GoldenCase {
   std::vector<std::vector<Point3f>> clouds;
   bool surfaces = true;  ///< whether the encoder looks for surfaces
   bool drop_outliers = false;
-  bool dump = false;  ///< small enough to list point by point in name.txt
+  bool no_time = false;  ///< every tile is coded by runs
+  bool dump = false;     ///< small enough to list point by point in name.txt
 };
 
 /// The frame that a decoder of the case needs memory for.

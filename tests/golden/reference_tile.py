@@ -1,6 +1,7 @@
 """Sections 7 and 8 of docs/wire-format.md: tiles of depth streams."""
 from reference_coder import bad_unless, head, pixels_of
 from reference_flat import FlatBlock
+from reference_runs import run_tile
 from reference_tables import quot
 
 
@@ -52,6 +53,8 @@ class DepthTile:
         verbatim, bx, by, bw, bh = head(c, s)
         self.begin(s.mixed)
         self.us, self.vs = pixels_of(s, bx, by, bw, bh)
+        if verbatim and c.raw(1):
+            return run_tile(self)
         if verbatim:
             for v in self.vs:
                 for u in self.us:

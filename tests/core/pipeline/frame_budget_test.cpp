@@ -41,7 +41,7 @@ TEST(FrameBudget, PlansByWhatStagesTook) {
   EXPECT_EQ(plan(0), FrameEffort::kFull);
   EXPECT_EQ(plan(2 * kMs), FrameEffort::kFull);
   EXPECT_GT(plan(4 * kMs), FrameEffort::kFull);
-  EXPECT_EQ(plan(19 * kMs), FrameEffort::kStored);
+  EXPECT_EQ(plan(19 * kMs), FrameEffort::kNeighbours);
   budget.learn(TimedStage::kPack, FrameEffort::kFull, 16 * kMs);  // once is enough
   EXPECT_GT(plan(0), FrameEffort::kFull);
 }
@@ -59,13 +59,13 @@ TEST(FrameBudget, TriesAgainWhatWasTooSlow) {
   budget.learn(TimedStage::kPack, FrameEffort::kFull, 40 * kMs);
   const auto plan = [&] { return budget.plan(TimedStage::kPack, FrameEffort::kFull, 0); };
   EXPECT_NE(plan(), FrameEffort::kFull);
-  for (int i = 0; i < 100; ++i) budget.learn(TimedStage::kPack, FrameEffort::kStored, kMs);
+  for (int i = 0; i < 100; ++i) budget.learn(TimedStage::kPack, FrameEffort::kRuns, kMs);
   EXPECT_EQ(plan(), FrameEffort::kFull);
 }
 
 struct BudgetRun {
   FrameEffort effort = FrameEffort::kFull;
-  std::uint32_t stored_tiles = 0, surfaces = 0;
+  std::uint32_t run_tiles = 0, surfaces = 0;
   Coded coded;
 };
 
@@ -87,7 +87,7 @@ class BudgetedEncoder {
       ADD_FAILURE();
       return out;
     }
-    out = {frame.slot->effort, frame.slot->report.stored_tiles, frame.slot->report.surfaces,
+    out = {frame.slot->effort, frame.slot->report.run_tiles, frame.slot->report.surfaces,
            copy_of(frame)};
     encoder_->release(frame);
     return out;
@@ -114,14 +114,14 @@ TEST(FrameBudget, FramesGetLessEffortAsTimeRunsOutAndAllOfItBack) {
   run = encoder.run(0);
   EXPECT_EQ(run.effort, FrameEffort::kFull);
   EXPECT_GT(run.surfaces, 0U);
-  EXPECT_EQ(run.stored_tiles, 0U);
+  EXPECT_EQ(run.run_tiles, 0U);
   fake_step = kMs;  // dozens of looks a frame: no time for all
   run = encoder.run(0);
-  EXPECT_EQ(run.effort, FrameEffort::kStored);
-  EXPECT_GT(run.stored_tiles, 0U);
+  EXPECT_EQ(run.effort, FrameEffort::kRuns);
+  EXPECT_GT(run.run_tiles, 0U);
   fake_step = 20 * kMs;  // every stage is too late
   for (std::uint64_t i = 0; i < 3; ++i) run = encoder.run(i);
-  EXPECT_EQ(run.effort, FrameEffort::kStored);
+  EXPECT_EQ(run.effort, FrameEffort::kRuns);
   EXPECT_EQ(run.surfaces, 0U);
   fake_step = 0;
   for (std::uint64_t i = 0; i < 1000 && run.effort != FrameEffort::kFull; ++i) run = encoder.run(i);

@@ -107,10 +107,11 @@ TEST(HostileSlices, RandomBytesEndWithANamedStatus) {
 
 TEST(HostileSlices, ChangedBitsEndWithANamedStatus) {
   Seen seen;
-  for (std::uint64_t seed = 100; seed < 118; ++seed) {
+  for (std::uint64_t seed = 100; seed < 124; ++seed) {
     SCOPED_TRACE(seed);
     Pcg32 random(seed);
     WireBench b(test::random_config(random, 70));
+    if (seed >= 118) b.deadline = test::past_deadline();
     const Image image = test::random_image(random, b.config.camera, seed);
     b.find_surfaces(image, static_cast<SurfaceMode>(seed % 3), random);
     Target target(image.size());
@@ -135,9 +136,10 @@ TEST(HostileSlices, ChangedBitsEndWithANamedStatus) {
 
 TEST(HostileSlices, CutAndLengthenedSlicesEndWithANamedStatus) {
   Seen seen;
-  for (std::uint64_t seed = 200; seed < 209; ++seed) {
+  for (std::uint64_t seed = 200; seed < 213; ++seed) {
     Pcg32 random(seed);
     WireBench b(test::random_config(random, 40));
+    if (seed >= 209) b.deadline = test::past_deadline();
     const Image image = test::random_image(random, b.config.camera, seed);
     b.find_surfaces(image, static_cast<SurfaceMode>(seed % 3), random);
     Target target(image.size());
@@ -175,10 +177,35 @@ TEST(HostileSlices, AnEmptyBodyForTheLargestTileStopsEarly) {
   coder.raw(0, position_bits(60));
   coder.raw(79, position_bits(80));
   coder.raw(59, position_bits(60));
+  coder.raw(kCountsTile, 1);
   packet.resize(kPacketHeaderBytes + coder.finish());
   test::reseal(packet);
   EXPECT_EQ(target.decode(b, packet, content), Status::kTruncated);
   EXPECT_TRUE(target.empty());
+}
+
+TEST(HostileSlices, ARunBeyondItsTileIsRefused) {
+  Pcg32 random(302);
+  StreamConfig config;
+  config.camera = test::random_camera(random, 16, 16, 1.0, false);
+  WireBench b(config);
+  Target target(config.camera.pixels());
+  TileContent content;
+  for (const std::uint32_t run : {63U, 64U, 67U}) {  // one block holds 64 pixels, the last a miss
+    Bytes packet = slice_of(random, b, 64);
+    RangeEncoder coder{std::span(packet).subspan(kPacketHeaderBytes)};
+    coder.raw(kVerbatimTile, 1);
+    for (const int bits : {1, 1, 1, 1}) coder.raw(0, bits);
+    coder.raw(kRunTile, 1);
+    SymbolModel runs, misses;
+    coder.symbol(runs, 10);
+    coder.raw(run - 36, 5);
+    if (run < 64) coder.symbol(misses, 0);
+    packet.resize(kPacketHeaderBytes + coder.finish());
+    test::reseal(packet);
+    EXPECT_EQ(target.decode(b, packet, content), run < 64 ? Status::kOk : Status::kBadSymbol);
+    EXPECT_EQ(target.empty(), run >= 64);
+  }
 }
 
 TEST(HostileSlices, CoefficientsPastThirtyBitsAreRefused) {

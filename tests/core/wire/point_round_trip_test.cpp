@@ -106,7 +106,10 @@ TEST(PointRoundTrip, GoesOnAfterSlicesThatAreThere) {
   std::vector<SlicePlace> places(point_slice_capacity(2000, 1200) + 1);
   packed[kPacketHeaderBytes] = 0x80;  // a body of kind kPatches
   places[0] = {0, 40};
-  FrameReport report{1, 40, 0, 0, 2};
+  FrameReport report;
+  report.slices = 1;
+  report.bytes = 40;
+  report.surfaces = 2;
   ASSERT_EQ(codec.packer.pack(coding, in, codec.identity, 1200, packed, places, report),
             Status::kOk);
   EXPECT_EQ(report.points, 2000U);

@@ -4,6 +4,7 @@
 
 #include "core/regen/regenerate.hpp"
 #include "core/sim/random_scene.hpp"
+#include "core/sim/sim_room.hpp"
 #include "tests/core/predict/bound_oracle.hpp"
 #include "tests/core/wire/wire_bench.hpp"
 
@@ -137,6 +138,46 @@ TEST(TileRoundTrip, SimulatedScenesKeepTheirBoundUnderEveryContract) {
       expect_round_trip(b, image.depth, contract % 2 == 0 ? 1190 : kFileSliceBytes);
       if (HasFatalFailure()) return;
     }
+  }
+}
+
+TEST(TileRoundTrip, TilesThatNoTimeIsLeftForKeepTheirBound) {
+  for (std::uint64_t seed = 0; seed < 216; ++seed) {
+    SCOPED_TRACE(seed);
+    Pcg32 random(seed);
+    StreamConfig config = test::random_config(random, 97);
+    WireBench b(config);
+    b.deadline = test::past_deadline();
+    const Image image = test::random_image(random, config.camera, seed);
+    b.find_surfaces(image, static_cast<SurfaceMode>(seed % 3), random);
+    expect_round_trip(b, image, some_slice_bytes(random));
+    if (HasFatalFailure()) return;
+    for (const TileContent& content : b.contents) EXPECT_TRUE(content.runs || content.verbatim);
+    EXPECT_EQ(b.report.run_tiles, b.report.slices);
+  }
+}
+
+TEST(TileRoundTrip, RunsCostLessThanCountsOfAScene) {
+  auto simulator = RoomSimulator::create(default_sim_config());
+  ASSERT_TRUE(simulator.ok()) << simulator.error().message;
+  DepthImage image;
+  std::vector<std::uint16_t> ids;
+  Pose pose;
+  simulator->render(1, image, ids, pose);
+  for (const ToleranceKind kind : {ToleranceKind::kLossless, ToleranceKind::kSigma}) {
+    StreamConfig config;
+    config.camera = simulator->camera();
+    config.tolerance = kind;
+    config.tolerance_100nm = 50'000;
+    config.sigmas_q16 = 2U << 16U;
+    config.noise = {NoiseModel::Kind::kStereo, 4'000'000};
+    WireBench b(config);
+    (void)b.pack(image.depth, kFileSliceBytes);
+    const std::size_t modelled = b.report.bytes;
+    b.deadline = test::past_deadline();
+    (void)b.pack(image.depth, kFileSliceBytes);
+    EXPECT_LT(b.report.bytes, image.depth.size() * 2 * 2 / 3);
+    EXPECT_LT(modelled, b.report.bytes);
   }
 }
 

@@ -52,6 +52,7 @@ struct WireBench {
   std::uint32_t surface_count = 0;
   std::uint8_t shift = 0;
   FrameReport report;
+  PackDeadline deadline;              ///< of pack(); none unless a test sets one
   std::vector<TileContent> contents;  ///< of the slices decoded last
 
   explicit WireBench(const StreamConfig& stream) : config(stream) {
@@ -122,7 +123,7 @@ struct WireBench {
     const FrameModel model{depth, labels, std::span(surfaces).first(surface_count), shift};
     packets.clear();
     const Status status = packer.pack(tables.coding(), model, {config.stream, 5, 17, kHash},
-                                      slice_bytes, out, places, report);
+                                      slice_bytes, out, places, report, deadline);
     if (status != Status::kOk) return status;
     for (std::uint32_t i = 0; i < report.slices; ++i) {
       const auto* begin = out.data() + places[i].offset;
@@ -154,6 +155,11 @@ struct WireBench {
     return depth;
   }
 };
+
+/// A deadline that is past already: every tile is coded by runs.
+inline PackDeadline past_deadline() {
+  return {[]() noexcept { return std::int64_t{0}; }, -1, 1, 1};
+}
 
 /// Kinds of images, from what sensors give to what none does.
 inline constexpr std::uint64_t kImageKinds = 9;
