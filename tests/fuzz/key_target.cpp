@@ -14,7 +14,7 @@ namespace {
 using namespace planecast;
 
 constexpr FrameLimits kLimits{48, 32};
-constexpr std::uint32_t kBuildOneOf = 64;
+constexpr std::uint32_t kBuildOneOf = 512;
 
 void build(std::span<const std::uint8_t> body, std::uint32_t hash) {
   static auto decoder = Decoder::create({.limits = kLimits});

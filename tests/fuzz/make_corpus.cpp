@@ -14,6 +14,7 @@
 #include "core/io/ply.hpp"
 #include "core/io/xyz_text.hpp"
 #include "core/wire/packet_header.hpp"
+#include "core/wire/plc_format.hpp"
 #include "tests/core/io/lzf_pack.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/fuzz/golden_streams.hpp"
@@ -46,22 +47,32 @@ void wire(const fs::path& golden) {
     const GoldenStream& stream = streams[i];
     const std::span<const std::uint8_t> key(stream.key);
     put("key", stream.name, key.subspan(kPacketHeaderBytes));
-    put("file", stream.name, file_bytes(golden / (stream.name + ".plc")));
+    put("file", stream.name, stream.file);
     Bytes bodies{static_cast<std::uint8_t>(i)};
     Bytes packets{static_cast<std::uint8_t>(i | kAsItIs)};
     for (const Bytes& slice : stream.slices) {
       append_part(bodies, std::span(slice).subspan(kPacketHeaderBytes));
       append_part(packets, slice);
     }
-    for (std::size_t n = 0; n < stream.slices.size() && stream.name.starts_with("points_"); ++n)
-      put("patch", stream.name + "_" + std::to_string(n),
-          std::span(stream.slices[n]).subspan(kPacketHeaderBytes));
     put("slice", stream.name, bodies);
     put("slice", stream.name + "_packets", packets);
+  }
+  // Patches are small as they are.
+  const Bytes paper = file_bytes(golden / "points_paper.plc");
+  const auto contents = read_plc(paper);
+  claim(contents.ok(), "points_paper.plc");
+  for (const PlcFrame& frame : contents->frames) {
+    for (std::size_t n = 0; n < frame.slices.size(); ++n)
+      put("patch", "frame_" + std::to_string(frame.frame) + "_" + std::to_string(n),
+          frame.slices[n].subspan(kPacketHeaderBytes));
   }
   for (const auto& entry : fs::directory_iterator(golden / "bad")) {
     const std::string name = entry.path().filename().string();
     if (name.find("__file_") != std::string::npos) put("file", name, file_bytes(entry.path()));
+    if (name.find("__patches_") != std::string::npos) {
+      const Bytes packet = file_bytes(entry.path());
+      put("patch", name, std::span(packet).subspan(kPacketHeaderBytes));
+    }
     if (name.find("__key_") != std::string::npos) {
       const Bytes packet = file_bytes(entry.path());
       put("key", name, std::span(packet).subspan(std::min(packet.size(), kPacketHeaderBytes)));
