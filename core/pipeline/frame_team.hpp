@@ -6,9 +6,9 @@
 #include <atomic>
 #include <cstdint>
 
-#include "core/base/arena.hpp"
 #include "core/base/work_team.hpp"
 #include "core/pipeline/worker_thread.hpp"
+#include "core/ring/shared_pieces.hpp"
 
 namespace planecast {
 
@@ -33,26 +33,15 @@ class FrameTeam {
   WorkTeam work() noexcept { return {this, &FrameTeam::run}; }
 
  private:
-  // Round in the upper bits, pieces not yet taken in the lower eight: one word, so that a piece is
-  // taken only of the round whose job was read.
-  static constexpr std::uint32_t kPieceBits = 8;
-  static constexpr std::uint32_t kPieceMask = (1U << kPieceBits) - 1;
-
   static void run(void* self, std::uint32_t pieces, WorkTeam::Piece piece, void* job) noexcept;
   static void* enter(void* self) noexcept;
-  std::uint32_t take_pieces(std::uint32_t worker) noexcept;
-  void help() noexcept;
 
   WorkerThread thread_;
   ThreadWishes wishes_;
   void (*on_start_)(const char*) = nullptr;
   void (*on_stop_)(const char*) = nullptr;
   std::atomic<std::uint32_t> ready_{0};
-  std::atomic<std::uint32_t> stopping_{0};
-  std::atomic<WorkTeam::Piece> piece_{nullptr};
-  std::atomic<void*> job_{nullptr};
-  alignas(kCacheLineBytes) std::atomic<std::uint32_t> tickets_{0};
-  alignas(kCacheLineBytes) std::atomic<std::uint32_t> unfinished_{0};
+  SharedPieces pieces_;
 };
 
 }  // namespace planecast

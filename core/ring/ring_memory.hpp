@@ -40,6 +40,12 @@ struct MachineMemory {
   static constexpr auto kCountOwn = std::memory_order_relaxed;
   static constexpr auto kCountPublish = std::memory_order_release;  ///< a drop -> its offer
   static constexpr auto kCountSeen = std::memory_order_acquire;
+  // SharedPieces.
+  static constexpr auto kPiecesOwn = std::memory_order_relaxed;
+  static constexpr auto kPiecesPublish = std::memory_order_release;  ///< job written -> taken
+  static constexpr auto kPieceTaken = std::memory_order_acquire;     ///< taken -> job read
+  static constexpr auto kPieceFinished = std::memory_order_release;  ///< results, job read -> end
+  static constexpr auto kAllFinishedSeen = std::memory_order_acquire;
 
   static bool asymmetric() noexcept { return asymmetric_fence_available(); }
   static void light_fence() noexcept { planecast::light_fence(); }

@@ -3,6 +3,7 @@
 // last: its macros take `new`, `delete` and `assert`.
 #pragma once
 
+#include "core/ring/shared_pieces.hpp"
 #include "core/ring/slot_pool.hpp"
 #include "core/ring/spsc_ring.hpp"
 
@@ -37,6 +38,14 @@ class ModelAtomic {
   void store(T value, std::memory_order order) { word_.store(value, order_of(order), RL_INFO); }
   T exchange(T value, std::memory_order order) {
     return word_.exchange(value, order_of(order), RL_INFO);
+  }
+  bool compare_exchange_weak(T& expected, T value, std::memory_order order,
+                             std::memory_order failed) {
+    return word_.compare_exchange_weak(expected, value, order_of(order), RL_INFO, order_of(failed),
+                                       RL_INFO);
+  }
+  T fetch_sub(T value, std::memory_order order) {
+    return word_.fetch_sub(value, order_of(order), RL_INFO);
   }
 
   // As the kernel's futex: the look at the word and falling asleep are one step.

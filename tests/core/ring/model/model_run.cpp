@@ -51,6 +51,14 @@ PLANECAST_WEAKENED(FencedClose, Fenced, kClose, release);
 PLANECAST_WEAKENED(FencedClosedSeen, Fenced, kClosedSeen, acquire);
 PLANECAST_WEAKENED(CountPublish, Light, kCountPublish, relaxed);
 PLANECAST_WEAKENED(CountSeen, Light, kCountSeen, relaxed);
+PLANECAST_WEAKENED(PiecesPublish, Light, kPiecesPublish, relaxed);
+PLANECAST_WEAKENED(PieceTaken, Light, kPieceTaken, relaxed);
+PLANECAST_WEAKENED(PieceFinished, Light, kPieceFinished, relaxed);
+PLANECAST_WEAKENED(AllFinishedSeen, Light, kAllFinishedSeen, relaxed);
+// A wake that does not come: who sleeps for a job that somebody else finishes sleeps for ever.
+struct NoWake : Light {
+  static void wake_one(ModelAtomic<std::uint32_t>&) {}
+};
 #undef PLANECAST_WEAKENED
 
 }  // namespace
@@ -66,6 +74,7 @@ std::vector<Case> sound_cases() {
       {"slot pool, consumer pays", "", &simulate<Pool<Light>>},
       {"slot pool, producer pays", "", &simulate<Pool<Fenced>>},
       {"slot pool's counts", "", &simulate<Counts<Light>>},
+      {"shared pieces", "", &simulate<SharedJobs<Light>>},
   };
 }
 
@@ -94,7 +103,11 @@ std::vector<Case> mutant_cases() {
       {"slot pool, consumer pays", "kTailPublish relaxed", &simulate<Pool<LightTailPublish>>},
       {"slot pool's counts", "kCountPublish relaxed", &simulate<Counts<CountPublish>>},
       {"slot pool's counts", "kCountSeen relaxed", &simulate<Counts<CountSeen>>},
-
+      {"shared pieces", "kPiecesPublish relaxed", &simulate<SharedJobs<PiecesPublish>>},
+      {"shared pieces", "kPieceTaken relaxed", &simulate<SharedJobs<PieceTaken>>},
+      {"shared pieces", "kPieceFinished relaxed", &simulate<SharedJobs<PieceFinished>>},
+      {"shared pieces", "kAllFinishedSeen relaxed", &simulate<SharedJobs<AllFinishedSeen>>},
+      {"shared pieces", "no wake", &simulate<SharedJobs<NoWake>>},
   };
 }
 

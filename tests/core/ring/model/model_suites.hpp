@@ -128,6 +128,37 @@ struct Counts : Simulated<Counts<Memory>, 2> {
   }
 };
 
+/// Two jobs in a row, shared with a helper that sleeps, comes late or takes all, then the end: each
+/// piece is done once, of the job that was given, and its plain results are there afterwards.
+template <class Memory>
+struct SharedJobs : Simulated<SharedJobs<Memory>, 2> {
+  static constexpr std::uint32_t kPieces = 2, kJobs = 2;
+  struct Job {
+    ModelPlain<std::uint32_t> factor, result[kPieces];
+  };
+  Job jobs[kJobs];
+  BasicSharedPieces<Memory> pieces;
+
+  static void work(void* job, std::uint32_t piece, std::uint32_t) noexcept {
+    auto& self = *static_cast<Job*>(job);
+    self.result[piece] = self.result[piece] + self.factor * (piece + 1);
+  }
+  void thread(unsigned index) {
+    this->in_this_run.enter();
+    if (index == 1) {
+      pieces.help();
+      return;
+    }
+    for (std::uint32_t n = 0; n < kJobs; ++n) {
+      jobs[n].factor = n + 1;
+      for (auto& result : jobs[n].result) result = 0;
+      pieces.run(kPieces, &SharedJobs::work, &jobs[n]);
+      for (std::uint32_t i = 0; i < kPieces; ++i) RL_ASSERT(jobs[n].result[i] == (n + 1) * (i + 1));
+    }
+    pieces.end();
+  }
+};
+
 /// A source and a last stage. The source fills slots (plain memory) and must find none
 /// that the last stage still reads.
 template <class Memory>
