@@ -103,8 +103,9 @@ Result<Done> Receiver::prepare(const LcmUrl& url) {
   const SubscriberConfig config = subscriber_for(options, codec);
   FrameLimits limits{static_cast<std::uint16_t>(options.max_size.width),
                      static_cast<std::uint16_t>(options.max_size.height)};
-  limits.max_points = codec.max_points.value_or(0);
-  const std::uint32_t sink_points = std::max(limits.pixels(), limits.points());
+  // What comes is not known yet: lists are received too, as long as an image would be.
+  limits.max_points = codec.max_points.value_or(limits.pixels());
+  const std::uint32_t sink_points = std::max(limits.pixels(), limits.max_points);
   const ReceiveConfig receive{
       options.streams,  limits, options.frames, boot_id_hash(), options.realtime.watchdog_ns(),
       dress_this_thread};

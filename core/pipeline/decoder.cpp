@@ -28,9 +28,9 @@ Status Decoder::layout(Arena& arena, const DecoderConfig& config) noexcept {
   raw_unpacker_.layout(arena, config.limits.max_width);
   depth_ = arena.take<std::uint16_t>(config.limits.pixels());
   labels_ = arena.take<std::uint8_t>(config.limits.pixels());
-  cloud_ = arena.take<Point3f>(std::max(config.limits.pixels(), config.limits.points()));
-  point_unpacker_.layout(arena, config.limits.points());
-  grid_ = arena.take<GridPoint>(config.limits.points());
+  cloud_ = arena.take<Point3f>(std::max(config.limits.pixels(), config.limits.max_points));
+  point_unpacker_.layout(arena, config.limits.max_points);
+  grid_ = arena.take<GridPoint>(config.limits.max_points);
   patch_unpacker_.layout(arena);
   patch_filler_.layout(arena);
   return arena.failed() ? Status::kOutOfArena : Status::kOk;

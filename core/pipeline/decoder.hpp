@@ -19,8 +19,8 @@
 namespace planecast {
 
 struct DecoderConfig {
-  FrameLimits limits{1280, 1024};  ///< larger streams are refused with kFrameTooLarge; lists of
-                                   ///< points have max_points, by default as many as pixels
+  FrameLimits limits{1280, 1024};  ///< larger streams are refused with kFrameTooLarge, and lists
+                                   ///< unless max_points says how many points they may have
   WorkTeam team{};  ///< shares add_all() and finish() of depth frames; to outlive the decoder
 };
 

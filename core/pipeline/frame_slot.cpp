@@ -5,7 +5,7 @@
 namespace planecast {
 
 void FrameSlot::layout_list(Arena& arena, const FrameLimits& limits) noexcept {
-  const std::uint32_t most = limits.points();
+  const std::uint32_t most = limits.max_points;
   points = arena.take<Point3f>(most);
   fates = arena.take<std::uint8_t>(most);
   grid = arena.take<GridPoint>(most);

@@ -138,7 +138,7 @@ Status fit_list(const StreamConfig& config, const StageOptions& options, FrameSl
 }
 
 void ListPack::layout(Arena& arena, const FrameLimits& limits) noexcept {
-  points_.layout(arena, limits.points());
+  points_.layout(arena, limits.max_points);
   if (limits.surfaces != nullptr) patches_.layout(arena);
 }
 

@@ -13,7 +13,7 @@ void StreamTables::layout(Arena& arena, const FrameLimits& limits) noexcept {
 Status StreamTables::build(const StreamConfig& config, std::uint32_t key_hash) noexcept {
   if (const Status status = check_config(config); status != Status::kOk) return status;
   if (config.camera.width > limits_.max_width || config.camera.height > limits_.max_height ||
-      config.points.max_points > limits_.points()) {
+      config.points.max_points > limits_.max_points) {
     return Status::kFrameTooLarge;
   }
   ready_ = false;

@@ -17,13 +17,12 @@ struct PointSurfaceOptions;
 struct FrameLimits {
   std::uint16_t max_width = 640;
   std::uint16_t max_height = 480;
-  std::uint32_t max_points = 0;  ///< of a list of points; 0: as many as pixels
+  std::uint32_t max_points = 0;  ///< of a list of points; 0: streams of lists are refused
   // Encoders of lists only (list_limits()):
   std::size_t list_bytes = 0;                     ///< of a frame's slices at most
   std::size_t list_slices = 0;                    ///< at most
   const PointSurfaceOptions* surfaces = nullptr;  ///< how surfaces or outliers are found; null: not
 
-  std::uint32_t points() const noexcept { return max_points != 0 ? max_points : pixels(); }
   std::uint32_t pixels() const noexcept { return std::uint32_t{max_width} * max_height; }
 };
 

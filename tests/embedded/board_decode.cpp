@@ -1,7 +1,8 @@
 // The least receiver that a board needs: packets one by one from a file or a pipe (a .plc file
 // stands for the link) into a decoder in memory that the program gives. Prints a line a frame and
 // what it took. No exceptions, no RTTI, nothing of the encoder.
-//   board_decode FILE.plc [WIDTH HEIGHT]      exits 0 when every packet was decoded
+//   board_decode FILE.plc [WIDTH HEIGHT [POINTS]]      exits 0 when every packet was decoded
+// POINTS: most of a list of points; without it none is taken, and no memory for them.
 #include <sys/resource.h>
 
 #include <cstdio>
@@ -72,13 +73,14 @@ int main(int argc, char** argv) {
   std::FILE* file = argc > 1 ? std::fopen(argv[1], "rb") : nullptr;
   std::uint8_t header[kFileHeaderBytes];
   if (file == nullptr || std::fread(header, 1, sizeof header, file) != sizeof header) {
-    std::fprintf(stderr, "usage: board_decode FILE.plc [WIDTH HEIGHT]\n");
+    std::fprintf(stderr, "usage: board_decode FILE.plc [WIDTH HEIGHT [POINTS]]\n");
     return 2;
   }
   DecoderConfig config{{640, 480}};
   if (argc > 3)
     config.limits = {static_cast<std::uint16_t>(std::atoi(argv[2])),
                      static_cast<std::uint16_t>(std::atoi(argv[3]))};
+  if (argc > 4) config.limits.max_points = static_cast<std::uint32_t>(std::atol(argv[4]));
   const std::size_t bytes = Decoder::memory_bytes(config);
   // For the program's whole life, as a board's memory is: never given back.
   static auto* block = static_cast<std::byte*>(std::aligned_alloc(64, (bytes + 63) / 64 * 64));

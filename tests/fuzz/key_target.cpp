@@ -13,7 +13,7 @@ namespace {
 
 using namespace planecast;
 
-constexpr FrameLimits kLimits{48, 32};
+constexpr FrameLimits kLimits{48, 32, 1000};
 constexpr std::uint32_t kBuildOneOf = 512;
 
 void build(std::span<const std::uint8_t> body, std::uint32_t hash) {

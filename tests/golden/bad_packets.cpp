@@ -83,7 +83,7 @@ void nothing(Bytes&) {}
 
 // A decoder for the sizes of the two streams, with a key packet when there is one; null on failure.
 std::unique_ptr<Decoder> decoder_for(std::span<const std::uint8_t> key) {
-  auto decoder = Decoder::create({.limits = {160, 120}});
+  auto decoder = Decoder::create({.limits = {160, 120, 800}});
   if (!decoder.ok()) return nullptr;
   if (!key.empty() && (*decoder)->set_key(key) != Status::kOk) return nullptr;
   return std::move(*decoder);

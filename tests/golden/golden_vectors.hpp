@@ -28,7 +28,7 @@ Result<Bytes> encode_golden(const GoldenCase& c);
 /// Every frame of a whole .plc file, decoded. `limits`: the largest image that is taken. Errors:
 /// those of read_plc and of the decoder; kTruncated when anything is missing.
 Result<std::vector<GoldenFrame>> decode_golden(std::span<const std::uint8_t> file,
-                                               const FrameLimits& limits = {2100, 480});
+                                               const FrameLimits& limits = {2100, 480, 800});
 
 /// A line a frame: name, frame, slices, readings, CRC-32C of the counts (u16, little-endian) and of
 /// the cloud (float32 x, y, z, little-endian), in hexadecimal; "-" where there are no counts.

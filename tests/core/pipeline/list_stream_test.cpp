@@ -142,6 +142,15 @@ TEST(ListStreamRefusals, AKeyForMorePointsThanTheDecoderHasRoomForIsRefused) {
   EXPECT_EQ(make_decoder({limits})->set_key(key_of(*encoder)), Status::kOk);
 }
 
+TEST(ListStreamRefusals, ADecoderOfDepthStreamsHasNoMemoryForLists) {
+  const auto encoder = make_encoder(list_config(1, 1));
+  EXPECT_EQ(make_decoder({FrameLimits{640, 480}})->set_key(key_of(*encoder)),
+            Status::kFrameTooLarge);
+  FrameLimits lists{640, 480};
+  lists.max_points = lists.pixels();
+  EXPECT_LT(3 * Decoder::memory_bytes({FrameLimits{640, 480}}), Decoder::memory_bytes({lists}));
+}
+
 TEST(ListStreamRefusals, TheSameSliceTwiceCannotOverfillTheFrame) {
   Stream stream(list_config(1, 10));
   const Coded coded = stream.code(std::vector<Point3f>(10, Point3f{1, 2, 3}));

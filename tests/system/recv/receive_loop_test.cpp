@@ -37,8 +37,9 @@ struct Bench {
     out.pace_ns = 0;
     publisher = std::move(Publisher::create(out, link).value());
     queue = std::move(SinkQueue::create(2, test::kWidth * test::kHeight).value());
-    const FrameLimits limits{static_cast<std::uint16_t>(max_size.width),
-                             static_cast<std::uint16_t>(max_size.height)};
+    FrameLimits limits{static_cast<std::uint16_t>(max_size.width),
+                       static_cast<std::uint16_t>(max_size.height)};
+    limits.max_points = limits.pixels();
     loop = std::move(
         ReceiveLoop::create({2, limits, frames, 0}, *subscriber, nullptr, queue.get()).value());
     thread = std::thread([this, guarded] {
