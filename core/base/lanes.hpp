@@ -1,5 +1,5 @@
-// Four floats at once, by the vector types that g++ and clang share: the encoder's loops over
-// pixels take a quarter of the steps at -O2, on any machine, with the same result as one by one.
+// Four floats, or eight counts, at once, by the vector types that g++ and clang share: loops over
+// pixels take a fraction of the steps at -O2, on any machine, with the same result as one by one.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,8 @@ namespace planecast {
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Count4 = std::uint16_t __attribute__((vector_size(8)));
+using Count8 = std::uint16_t __attribute__((vector_size(16)));
+using Short8 = std::int16_t __attribute__((vector_size(16)));
 
 inline Float4 all4(float value) noexcept {
   return Float4{value, value, value, value};
@@ -64,6 +66,77 @@ inline unsigned lane_bits(Int4 mask) noexcept {
 #else
   return (static_cast<unsigned>(mask[0]) & 1U) | (static_cast<unsigned>(mask[1]) & 2U) |
          (static_cast<unsigned>(mask[2]) & 4U) | (static_cast<unsigned>(mask[3]) & 8U);
+#endif
+}
+
+inline Count8 load8(const std::uint16_t* from) noexcept {
+  Count8 out;
+  std::memcpy(&out, from, sizeof out);
+  return out;
+}
+
+inline Short8 load8(const std::int16_t* from) noexcept {
+  Short8 out;
+  std::memcpy(&out, from, sizeof out);
+  return out;
+}
+
+inline void store8(std::uint16_t* to, Count8 value) noexcept {
+  std::memcpy(to, &value, sizeof value);
+}
+
+inline void store8(std::int16_t* to, Short8 value) noexcept {
+  std::memcpy(to, &value, sizeof value);
+}
+
+inline Short8 all8(std::int16_t value) noexcept {
+  return Short8{value, value, value, value, value, value, value, value};
+}
+
+inline Short8 min8(Short8 a, Short8 b) noexcept {
+  return a < b ? a : b;
+}
+inline Short8 max8(Short8 a, Short8 b) noexcept {
+  return a > b ? a : b;
+}
+
+/// Greatest and least of eight.
+inline std::int16_t most8(Short8 a) noexcept {
+  a = max8(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
+  a = max8(a, __builtin_shufflevector(a, a, 2, 3, 0, 1, 6, 7, 4, 5));
+  return a[0] > a[1] ? a[0] : a[1];
+}
+inline std::int16_t least8(Short8 a) noexcept {
+  a = min8(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
+  a = min8(a, __builtin_shufflevector(a, a, 2, 3, 0, 1, 6, 7, 4, 5));
+  return a[0] < a[1] ? a[0] : a[1];
+}
+
+/// The lower halves of eight whole numbers.
+inline Short8 low_halves8(Int4 first, Int4 second) noexcept {
+#ifdef __SSE2__
+  return __builtin_ia32_packssdw128((first << 16) >> 16, (second << 16) >> 16);
+#else
+  Short8 out;
+  for (int i = 0; i < 4; ++i) {
+    out[i] = static_cast<std::int16_t>(first[i]);
+    out[i + 4] = static_cast<std::int16_t>(second[i]);
+  }
+  return out;
+#endif
+}
+
+/// One bit a lane of what is not zero, the first lane lowest.
+inline unsigned nonzero_bits8(Count8 a) noexcept {
+#ifdef __SSE2__
+  using Char16 = char __attribute__((vector_size(16)));
+  const auto zero = reinterpret_cast<Short8>(a == Count8{});
+  const auto bytes = reinterpret_cast<Char16>(__builtin_ia32_packsswb128(zero, zero));
+  return ~static_cast<unsigned>(__builtin_ia32_pmovmskb128(bytes)) & 0xffU;
+#else
+  unsigned out = 0;
+  for (int i = 0; i < 8; ++i) out |= (a[i] != 0 ? 1U : 0U) << i;
+  return out;
 #endif
 }
 

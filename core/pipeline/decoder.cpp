@@ -17,7 +17,7 @@ std::size_t slice_blocks(const FrameLimits& limits) noexcept {
 }  // namespace
 
 Status Decoder::layout(Arena& arena, const DecoderConfig& config) noexcept {
-  tables_.layout(arena, config.limits);
+  tables_.layout(arena, config.limits, CodecHalf::kDecoder);
   team_ = config.team;
   for (std::uint32_t i = 0; i < (team_.shared() ? kMaxTeamWorkers : 1); ++i)
     unpackers_[i].layout(arena, config.limits.max_width);

@@ -2,11 +2,11 @@
 
 namespace planecast {
 
-void StreamTables::layout(Arena& arena, const FrameLimits& limits) noexcept {
+void StreamTables::layout(Arena& arena, const FrameLimits& limits, CodecHalf half) noexcept {
   limits_ = limits;
   ray_storage_ = arena.take<std::int32_t>(std::size_t{limits.pixels()} * 2 + 2);
   levels_.layout(arena);
-  bounds_.layout(arena, limits.pixels());
+  bounds_.layout(arena, limits.pixels(), half);
   scale_.layout(arena);
 }
 

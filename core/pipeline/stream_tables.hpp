@@ -30,7 +30,8 @@ struct FrameLimits {
 /// 10 ms otherwise: it runs when a key changes, not once a frame. Read-only between builds.
 class StreamTables {
  public:
-  void layout(Arena& arena, const FrameLimits& limits) noexcept;
+  void layout(Arena& arena, const FrameLimits& limits,
+              CodecHalf half = CodecHalf::kEncoder) noexcept;
 
   /// kFrameTooLarge: larger than the limits; kFieldRange: as check_config and build_ray_table say.
   /// What is refused by its numbers alone leaves the current tables in use; a camera whose

@@ -34,11 +34,13 @@ std::uint64_t sigma_q8(const NoiseModel& noise, std::uint64_t unit_pm,
 
 }  // namespace
 
-void BoundTable::layout(Arena& arena, std::uint32_t max_pixels) noexcept {
+void BoundTable::layout(Arena& arena, std::uint32_t max_pixels, CodecHalf half) noexcept {
   error_q8_ = arena.take<std::uint32_t>(kCounts);
   half_width_ = arena.take<std::uint8_t>(std::size_t{kCounts} * kRayClasses);
   // A 1 x n image needs a block for each 8 pixels of its side: n/8 + 1 at the most.
   classes_ = arena.take<std::uint8_t>(max_pixels / 8 + kMaxImageSide / 4 + 64);
+  if (half == CodecHalf::kEncoder)
+    windows_ = arena.take<LevelWindow>(std::size_t{kCounts} * kRayClasses);
 }
 
 Status BoundTable::build(const StreamConfig& config, const RayTable& rays,
@@ -50,6 +52,7 @@ Status BoundTable::build(const StreamConfig& config, const RayTable& rays,
   build_errors(config);
   build_classes(rays);
   build_half_widths(levels);
+  if (!windows_.empty()) build_windows(levels);
   return Status::kOk;
 }
 
@@ -129,6 +132,24 @@ void BoundTable::build_half_widths(const LevelTable& levels) noexcept {
       reach = std::max(reach, level);
       while (reach + 1 < levels.count() && levels.depth(reach + 1) <= limit) ++reach;
       row[level] = static_cast<std::uint8_t>(std::min<std::uint32_t>(reach - level, kMaxHalfWidth));
+    }
+  }
+}
+
+void BoundTable::build_windows(const LevelTable& levels) noexcept {
+  for (int c = 0; c < kRayClasses; ++c) {
+    LevelWindow* row = windows_.data() + std::size_t(c) * kCounts;
+    row[0] = {};
+    for (std::uint32_t depth = 1; depth < kCounts; ++depth) {
+      const auto count = static_cast<std::uint16_t>(depth);
+      const std::uint32_t error = max_error(count, static_cast<std::uint8_t>(c));
+      const std::uint32_t least = depth > error ? depth - error : 1;
+      const std::uint32_t most = std::min(depth + error, kCounts - 1);
+      std::uint32_t low = levels.nearest(static_cast<std::uint16_t>(least));
+      std::uint32_t high = levels.nearest(static_cast<std::uint16_t>(most));
+      low += levels.depth(low) < least ? 1 : 0;
+      high -= levels.depth(high) > most ? 1 : 0;
+      row[depth] = {static_cast<std::uint16_t>(low), static_cast<std::uint16_t>(high)};
     }
   }
 }

@@ -23,10 +23,20 @@ inline constexpr int kRayClasses = 16;
 /// Largest half-width kept in the table, in levels.
 inline constexpr int kMaxHalfWidth = 255;
 
-/// The bound of a stream as tables. Read-only after build(). Memory: 1.3 MiB from the arena.
+/// The levels whose depths hold the bound of a reading; none where low > high. {0, 0} for a hole.
+struct LevelWindow {
+  std::uint16_t low = 0, high = 0;
+};
+
+/// Which half of the codec a table is for.
+enum class CodecHalf : std::uint8_t { kEncoder, kDecoder };
+
+/// The bound of a stream as tables. Read-only after build(). Memory: 1.3 MiB from the arena, of an
+/// encoder 5.3 MiB.
 class BoundTable {
  public:
-  void layout(Arena& arena, std::uint32_t max_pixels) noexcept;
+  void layout(Arena& arena, std::uint32_t max_pixels,
+              CodecHalf half = CodecHalf::kEncoder) noexcept;
 
   /// Computes the tables for a stream. O(65536 * kRayClasses). kFieldRange when the image is
   /// larger than the layout allows.
@@ -51,10 +61,17 @@ class BoundTable {
     return half_width_.data() + std::size_t{ray_class} * 65536;
   }
 
+  /// Windows of all depth counts, for one class: windows(c)[depth]. An encoder's: all that is
+  /// asked of a reading is one look-up.
+  const LevelWindow* windows(std::uint8_t ray_class) const noexcept {
+    return windows_.data() + std::size_t{ray_class} * 65536;
+  }
+
  private:
   void build_errors(const StreamConfig& config) noexcept;
   void build_classes(const RayTable& rays) noexcept;
   void build_half_widths(const LevelTable& levels) noexcept;
+  void build_windows(const LevelTable& levels) noexcept;
 
   bool lossless_ = true;
   std::uint32_t blocks_wide_ = 0;
@@ -62,6 +79,7 @@ class BoundTable {
   std::span<std::uint32_t> error_q8_;
   std::span<std::uint8_t> half_width_;
   std::span<std::uint8_t> classes_;
+  std::span<LevelWindow> windows_;  ///< empty in a decoder
 };
 
 }  // namespace planecast

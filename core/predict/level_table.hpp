@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/base/arena.hpp"
+#include "core/base/lanes.hpp"
 #include "core/base/status.hpp"
 #include "core/model/stream_config.hpp"
 
@@ -35,6 +36,18 @@ class LevelTable {
 
   /// Depth count of a level below count().
   std::uint16_t depth(std::uint32_t level) const noexcept { return depth_[level]; }
+
+  /// Depth counts of `count` levels.
+  void depths(const std::uint16_t* level, std::uint32_t count, std::uint16_t* out) const noexcept {
+    const std::uint16_t* const table = depth_.data();
+    if (count == 8) {
+      const Count8 all = {table[level[0]], table[level[1]], table[level[2]], table[level[3]],
+                          table[level[4]], table[level[5]], table[level[6]], table[level[7]]};
+      store8(out, all);
+      return;
+    }
+    for (std::uint32_t i = 0; i < count; ++i) out[i] = table[level[i]];
+  }
 
   /// The level nearest to a depth count (0 for 0); exact when depth(level) gives the count back.
   std::uint16_t nearest(std::uint16_t depth_count) const noexcept { return nearest_[depth_count]; }

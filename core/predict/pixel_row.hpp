@@ -41,7 +41,15 @@ struct PixelRow {
   /// Makes pixels x0 .. x1-1 holes.
   void clear(std::uint32_t x0, std::uint32_t x1) noexcept {
     std::fill(level + kBorder + x0, level + kBorder + x1, std::uint16_t{0});
-    std::fill(past + kBorder + x0, past + kBorder + x1, PixelPast{});
+    forget(kBorder + x0, x1 - x0);
+  }
+  /// Leaves nothing of `count` pixels from an index on but their levels.
+  void forget(std::size_t at, std::uint32_t count) noexcept {
+    if (count == 8) {  // a size known beforehand is no call
+      std::memset(static_cast<void*>(past + at), 0, 8 * sizeof(PixelPast));
+    } else {
+      std::fill_n(past + at, count, PixelPast{});
+    }
   }
 };
 

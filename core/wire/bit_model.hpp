@@ -41,13 +41,11 @@ struct BitModel {
   void update(bool bit) noexcept {
     const unsigned fast_rate = detail::kBitRates[age][0];
     const unsigned slow_rate = detail::kBitRates[age][1];
-    if (bit) {
-      fast = static_cast<std::uint16_t>(fast + ((65535U - fast) >> fast_rate));
-      slow = static_cast<std::uint16_t>(slow + ((65535U - slow) >> slow_rate));
-    } else {
-      fast = static_cast<std::uint16_t>(fast - (fast >> fast_rate));
-      slow = static_cast<std::uint16_t>(slow - (slow >> slow_rate));
-    }
+    // 65535 - p is ~p: towards a 1 the same step is taken from the other end.
+    const std::uint32_t turn = bit ? 0xffffU : 0U;
+    const std::uint32_t f = fast ^ turn, s = slow ^ turn;
+    fast = static_cast<std::uint16_t>((f - (f >> fast_rate)) ^ turn);
+    slow = static_cast<std::uint16_t>((s - (s >> slow_rate)) ^ turn);
     if (age < detail::kMaxBitAge) ++age;
   }
 };

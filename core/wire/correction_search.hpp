@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "core/predict/bound_table.hpp"
 #include "core/predict/level_table.hpp"
 #include "core/wire/tile_models.hpp"
 
@@ -16,15 +17,14 @@ struct Correction {
   std::int32_t jump = 0;   ///< levels from the prediction; 0: the count itself
 };
 
-/// The least correction from `prediction` (a level, its half width, its step) to a level whose
-/// depth is within `limit` counts of `depth`. A few table look-ups.
+/// The least correction from `prediction` (a level, its half width, its step) to a level within the
+/// window of `depth`. A few table look-ups.
 template <class Prediction>
 Correction find_correction(const LevelTable& levels, const Prediction& prediction,
-                           std::uint16_t depth, std::uint32_t limit,
+                           std::uint16_t depth, LevelWindow window,
                            std::int32_t last_level) noexcept {
   const auto within = [&](std::int32_t level) {
-    return static_cast<std::uint32_t>(std::abs(
-               int{levels.depth(static_cast<std::uint32_t>(level))} - int{depth})) <= limit;
+    return level >= window.low && level <= window.high;
   };
   const std::int32_t start = prediction.level;
   const std::int32_t own = levels.nearest(depth);

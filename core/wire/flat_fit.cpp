@@ -1,6 +1,7 @@
 #include "core/wire/flat_fit.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 
 #include "core/base/lanes.hpp"
@@ -10,13 +11,9 @@ namespace {
 
 constexpr std::int32_t kAnything = std::int32_t{1} << 28;
 constexpr std::int32_t kMostSteps = (std::int32_t{1} << (kPlaneLengths - 1)) - 1;
-
-Int4 lesser4(Int4 a, Int4 b) noexcept {
-  return a < b ? a : b;
-}
-Int4 greater4(Int4 a, Int4 b) noexcept {
-  return a > b ? a : b;
-}
+// Levels around `base` of a narrow window, and how far a plane may be from it, in 1/256 level:
+// their differences fit 16 bits.
+constexpr std::int32_t kNarrow = 62, kNear = 16383;
 
 std::int32_t floor_div(std::int32_t a, std::int32_t b) noexcept {
   return a >= 0 ? a / b : -((b - 1 - a) / b);
@@ -32,83 +29,196 @@ struct Shifts {
   std::int32_t least, most;
 };
 
-Shifts allowed_shifts(const FlatWindow& window, const BlockSurface& at) noexcept {
-  Int4 least = {-kAnything, -kAnything, -kAnything, -kAnything};
-  Int4 most = -least;
-  const Int4 right = {0, at.dx, 2 * at.dx, 3 * at.dx};
-  for (std::int32_t y = 0; y < 8; ++y) {
-    const std::int32_t begin = at.at_origin + y * at.dy;
-    for (std::int32_t x = 0; x < 8; x += 4) {
-      const std::int32_t first = begin + x * at.dx;
-      const Int4 q = Int4{first, first, first, first} + right;
-      least = greater4(least, load4(window.low + 8 * y + x) - q);
-      most = lesser4(most, load4(window.high + 8 * y + x) - q);
-    }
+// A surface within kNear of a narrow window's base at all its pixels, as 16 bits.
+struct NearSurface {
+  std::int16_t at_origin = 0, dy = 0;
+  Short8 right = {};  // what the columns add
+  bool near = false;
+
+  NearSurface(const FlatWindow& window, const BlockSurface& s) noexcept {
+    const std::int32_t first = s.at_origin - window.base * 256;
+    const std::int32_t x = 7 * s.dx, y = 7 * s.dy;
+    const std::int32_t least = first + std::min(x, 0) + std::min(y, 0);
+    const std::int32_t most = first + std::max(x, 0) + std::max(y, 0);
+    near = window.narrow && least >= -kNear && most <= kNear;
+    if (!near) return;
+    at_origin = static_cast<std::int16_t>(first);
+    dy = static_cast<std::int16_t>(s.dy);
+    right = all8(static_cast<std::int16_t>(s.dx)) * Short8{0, 1, 2, 3, 4, 5, 6, 7};
   }
-  return {std::max(std::max(least[0], least[1]), std::max(least[2], least[3])),
-          std::min(std::min(most[0], most[1]), std::min(most[2], most[3]))};
+  Short8 row(int y) const noexcept {
+    return all8(static_cast<std::int16_t>(at_origin + y * dy)) + right;
+  }
+};
+
+// `holes` left out where there are none.
+template <bool kHoles>
+Shifts near_shifts(const FlatWindow& window, const NearSurface& at) noexcept {
+  const Short8 lowest = all8(-32768), highest = all8(32767);
+  Short8 least = lowest, most = highest;
+  for (int y = 0; y < 8; ++y) {
+    const Short8 q = at.row(y);
+    Short8 low = load8(window.low_q8 + 8 * y) - q, high = load8(window.high_q8 + 8 * y) - q;
+    if (kHoles) {
+      const auto there = reinterpret_cast<Short8>(load8(window.high + 8 * y) != Count8{});
+      low = there ? low : lowest;
+      high = there ? high : highest;
+    }
+    least = max8(least, low);
+    most = min8(most, high);
+  }
+  return {most8(least), least8(most)};
 }
 
-// Slopes of the least-squares plane through what is left of the readings beside `at`, 1/256 level.
+Shifts far_shifts(const FlatWindow& window, const BlockSurface& at) noexcept {
+  Shifts out{-kAnything, kAnything};
+  for (std::int32_t i = 0; i < 64; ++i) {
+    if (window.high[i] == 0) continue;
+    const std::int32_t q = at.at_origin + i % 8 * at.dx + i / 8 * at.dy;
+    out.least = std::max(out.least, window.low[i] * 256 - 128 - q);
+    out.most = std::min(out.most, window.high[i] * 256 + 127 - q);
+  }
+  return out;
+}
+
+Shifts allowed_shifts(const FlatWindow& window, const BlockSurface& surface) noexcept {
+  const NearSurface at(window, surface);
+  if (!at.near) return far_shifts(window, surface);
+  return window.readings == 64 ? near_shifts<false>(window, at) : near_shifts<true>(window, at);
+}
+
+// Slopes of the least-squares plane through what is left of the middles of what the readings allow
+// beside `at`, 1/256 level.
 struct Slopes {
   std::int32_t dx, dy;
 };
 
-Slopes residual_slopes(const FlatWindow& window, const BlockSurface& at) noexcept {
-  std::int32_t left[64];
+// From sums over the pixels of how far each is off, times twice its distance from the middle.
+Slopes slopes_of(std::int32_t along, std::int32_t down) noexcept {
+  return {round_div(std::int64_t{along} * 256, 672), round_div(std::int64_t{down} * 256, 672)};
+}
+
+Slopes near_slopes(const FlatWindow& window, const NearSurface& at) noexcept {
+  const Short8 half = all8(128);
+  Short8 left[8], there[8], sums = {};
+  for (int y = 0; y < 8; ++y) {
+    const Short8 middle =
+        (load8(window.low_q8 + 8 * y) + load8(window.high_q8 + 8 * y) + all8(256)) >> 9;
+    there[y] = reinterpret_cast<Short8>(load8(window.high + 8 * y) != Count8{});
+    left[y] = (middle - ((at.row(y) + half) >> 8)) & there[y];
+    sums += left[y];
+  }
+  const auto sum_of = [](Short8 a) {
+    std::int32_t sum = 0;
+    for (int x = 0; x < 8; ++x) sum += a[x];
+    return sum;
+  };
+  const std::int32_t mean = sum_of(sums) / std::max(window.readings, 1);
+  const Short8 weights = {-7, -5, -3, -1, 1, 3, 5, 7};
+  Short8 along = {}, down = {};
+  for (int y = 0; y < 8; ++y) {
+    const Short8 off = (left[y] - all8(static_cast<std::int16_t>(mean))) & there[y];
+    along += off * weights;
+    down += off * all8(static_cast<std::int16_t>(2 * y - 7));
+  }
+  return slopes_of(sum_of(along), sum_of(down));
+}
+
+Slopes far_slopes(const FlatWindow& window, const BlockSurface& at) noexcept {
+  std::int32_t left[64] = {};
   std::int32_t sum = 0;
-  for (std::int32_t y = 0; y < 8; ++y) {
-    for (std::int32_t x = 0; x < 8; ++x) {
-      const std::int32_t i = 8 * y + x;
-      const std::int32_t there = -static_cast<std::int32_t>(window.own[i] != 0);
-      left[i] = (window.own[i] - ((at.at_origin + x * at.dx + y * at.dy + 128) >> 8)) & there;
-      sum += left[i];
-    }
+  for (std::int32_t i = 0; i < 64; ++i) {
+    if (window.high[i] == 0) continue;
+    const std::int32_t q = at.at_origin + i % 8 * at.dx + i / 8 * at.dy;
+    left[i] = ((window.low[i] + window.high[i]) >> 1) - ((q + 128) >> 8);
+    sum += left[i];
   }
   const std::int32_t mean = sum / std::max(window.readings, 1);
   std::int32_t along = 0, down = 0;
-  for (std::int32_t y = 0; y < 8; ++y) {
-    std::int32_t row = 0;
-    for (std::int32_t x = 0; x < 8; ++x) {
-      const std::int32_t there = -static_cast<std::int32_t>(window.own[8 * y + x] != 0);
-      const std::int32_t off = (left[8 * y + x] - mean) & there;  // a hole pulls nowhere
-      along += off * (2 * x - 7);
-      row += off;
-    }
-    down += row * (2 * y - 7);
+  for (std::int32_t i = 0; i < 64; ++i) {
+    if (window.high[i] == 0) continue;  // a hole pulls nowhere
+    along += (left[i] - mean) * (2 * (i % 8) - 7);
+    down += (left[i] - mean) * (2 * (i / 8) - 7);
   }
-  return {round_div(std::int64_t{along} * 256, 672), round_div(std::int64_t{down} * 256, 672)};
+  return slopes_of(along, down);
+}
+
+Slopes residual_slopes(const FlatWindow& window, const BlockSurface& surface) noexcept {
+  const NearSurface at(window, surface);
+  return at.near ? near_slopes(window, at) : far_slopes(window, surface);
+}
+
+// Eight windows of depth counts: all lows, all highs.
+struct EightWindows {
+  Short8 low, high;
+};
+
+EightWindows load_windows(const LevelWindow* windows, const std::uint16_t* depth) noexcept {
+  const auto pair = [&](int i) {
+    std::int32_t both;
+    std::memcpy(&both, windows + depth[i], sizeof both);
+    return both;
+  };
+  const Int4 a = {pair(0), pair(1), pair(2), pair(3)}, b = {pair(4), pair(5), pair(6), pair(7)};
+  const Short8 first = low_halves8(a, b), second = low_halves8(a >> 16, b >> 16);
+  // LevelWindow lies in memory as it is declared, whichever half that is of a number.
+  return std::endian::native == std::endian::little ? EightWindows{first, second}
+                                                    : EightWindows{second, first};
 }
 
 }  // namespace
 
-void load_window(const CodingTables& tables, const std::uint16_t* depth, std::uint32_t width,
-                 std::uint32_t columns, std::uint32_t rows, std::uint8_t ray_class,
-                 FlatWindow& window) noexcept {
-  const LevelTable levels = *tables.levels;
-  const BoundTable& bounds = *tables.bounds;
-  window.readings = 0;
-  for (std::uint32_t y = 0; y < 8; ++y) {
-    for (std::uint32_t x = 0; x < 8; ++x) {
-      const std::uint32_t i = 8 * y + x;
+void FlatWindow::prepare() noexcept {
+  Short8 least = all8(32767), most = {}, holes = {}, sign = {}, inverted = {};
+  for (int y = 0; y < 8; ++y) {
+    const auto l = reinterpret_cast<Short8>(load8(low + 8 * y));
+    const auto h = reinterpret_cast<Short8>(load8(high + 8 * y));
+    const Short8 hole = h == Short8{};
+    holes += hole;
+    sign |= l | h;
+    inverted |= l > h;
+    least = min8(least, l | (hole & all8(32767)));
+    most = max8(most, h);
+  }
+  readings = 64;
+  bool wide = false;
+  empty = false;
+  for (int x = 0; x < 8; ++x) {
+    readings += holes[x];
+    wide |= sign[x] < 0;
+    empty |= inverted[x] != 0;
+  }
+  const std::int32_t bottom = least8(least), top = most8(most);
+  narrow = !wide && top - bottom <= 2 * kNarrow - 2;
+  empty &= !wide;  // of levels beyond 32767 the signs say nothing
+  if (!narrow) return;
+  base = (bottom + top) / 2;
+  const Short8 from = all8(static_cast<std::int16_t>(base));
+  for (int y = 0; y < 8; ++y) {
+    const auto l = reinterpret_cast<Short8>(load8(low + 8 * y));
+    const auto h = reinterpret_cast<Short8>(load8(high + 8 * y));
+    store8(low_q8 + 8 * y, ((l - from) << 8) - all8(128));
+    store8(high_q8 + 8 * y, ((h - from) << 8) + all8(127));
+  }
+}
+
+void load_window(const LevelWindow* windows, const std::uint16_t* depth, std::uint32_t width,
+                 std::uint32_t columns, std::uint32_t rows, FlatWindow& window) noexcept {
+  if (columns == 8 && rows == 8) {
+    for (std::size_t y = 0; y < 8; ++y) {
+      const EightWindows row = load_windows(windows, depth + y * width);
+      store8(window.low + 8 * y, reinterpret_cast<Count8>(row.low));
+      store8(window.high + 8 * y, reinterpret_cast<Count8>(row.high));
+    }
+  } else {
+    for (std::uint32_t i = 0; i < 64; ++i) {
+      const std::uint32_t x = i % 8, y = i / 8;
       const std::uint16_t d = x < columns && y < rows ? depth[std::size_t{y} * width + x] : 0;
-      window.low[i] = -kAnything;
-      window.high[i] = kAnything;
-      window.own[i] = 0;
-      if (d == 0) continue;
-      const std::uint32_t error = bounds.max_error(d, ray_class);
-      const std::uint32_t least = d > error ? d - error : 1;
-      const std::uint32_t most = std::min<std::uint32_t>(d + error, 65535);
-      std::int32_t low = levels.nearest(static_cast<std::uint16_t>(least));
-      std::int32_t high = levels.nearest(static_cast<std::uint16_t>(most));
-      low += levels.depth(static_cast<std::uint32_t>(low)) < least;
-      high -= levels.depth(static_cast<std::uint32_t>(high)) > most;
-      window.low[i] = low * 256 - 128;
-      window.high[i] = high * 256 + 127;
-      window.own[i] = levels.nearest(d);
-      ++window.readings;
+      window.low[i] = windows[d].low;
+      window.high[i] = windows[d].high;
     }
   }
+  window.prepare();
 }
 
 bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
@@ -129,6 +239,7 @@ bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneS
     return true;
   };
   std::int32_t gap = 0;
+  if (window.empty) return false;
   if (attempt(0, 0, gap)) return true;
   const Slopes slopes = residual_slopes(window, foretold.surface());
   const std::int32_t dx = round_div(slopes.dx, steps.slope);

@@ -9,12 +9,23 @@
 
 namespace planecast {
 
-/// What a block's pixels allow, in 1/256 level, row by row; a hole allows everything.
+/// The levels that a block's pixels allow, row by row.
 struct FlatWindow {
-  alignas(16) std::int32_t low[64];
-  alignas(16) std::int32_t high[64];
-  alignas(16) std::int32_t own[64];  ///< the reading's own level, 0 for a hole
+  /// {0, 0} for a hole, which allows everything. After a change: prepare().
+  alignas(16) std::uint16_t low[64];
+  alignas(16) std::uint16_t high[64];
+
+  /// Derives what fit_flat() reads. No bound holds a level below 1.
+  void prepare() noexcept;
+
+  /// Where all readings allow levels of one narrow range: the ends of what rounds to an allowed
+  /// level, in 1/256 level from `base`, so that eight fit where two fitted.
+  alignas(16) std::int16_t low_q8[64];
+  alignas(16) std::int16_t high_q8[64];
+  std::int32_t base = 0;  ///< level
   std::int32_t readings = 0;
+  bool narrow = false;
+  bool empty = false;  ///< some reading allows no level: it lies off the levels
 };
 
 /// Steps from the foretold plane.
@@ -23,12 +34,11 @@ struct FlatCode {
 };
 
 /// Fills `window` for the block whose first reading is `depth`, of `columns` x `rows` pixels in an
-/// image of `width`. Any level that rounds from within [low, high] holds the bound of its reading.
-void load_window(const CodingTables& tables, const std::uint16_t* depth, std::uint32_t width,
-                 std::uint32_t columns, std::uint32_t rows, std::uint8_t ray_class,
-                 FlatWindow& window) noexcept;
+/// image of `width`, by the levels that hold the bound of each depth count, and prepares it.
+void load_window(const LevelWindow* windows, const std::uint16_t* depth, std::uint32_t width,
+                 std::uint32_t columns, std::uint32_t rows, FlatWindow& window) noexcept;
 
-/// True when a plane was found; `code` leads to it from `foretold`. Cost: under 1 us.
+/// True when a plane was found; `code` leads to it from `foretold`. Cost: some 0.1 us.
 bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
               std::int32_t last_level, FlatCode& code) noexcept;
 

@@ -89,9 +89,9 @@ struct MixWriter {
                   const BlockPlane& foretold, const PlaneSteps& steps,
                   PlaneCode& want) const noexcept {
     FlatWindow window;
-    load_window(job.tables, depths(job, row * 8) + i * 8, job.tables.config->camera.width,
-                std::min(8U, job.columns() - i * 8),
-                std::min(8U, job.span.v1 - job.span.v0 - row * 8), ray_class, window);
+    load_window(job.tables.bounds->windows(ray_class), depths(job, row * 8) + i * 8,
+                job.tables.config->camera.width, std::min(8U, job.columns() - i * 8),
+                std::min(8U, job.span.v1 - job.span.v0 - row * 8), window);
     FlatCode code;
     if (!fit_flat(window, foretold, steps, job.last_level, code)) return false;
     want = {code.offset, code.dx, code.dy};
@@ -101,12 +101,10 @@ struct MixWriter {
   // The correction of a reading, in steps; kMaxUnary + 1 announces `jump`.
   std::int32_t want_correction(const MixJob& job, const BlendedPixel& p, std::uint32_t ray_class,
                                std::uint16_t depth, MixJump& jump) const noexcept {
-    const LevelTable& levels = *job.tables.levels;
-    const std::uint32_t limit =
-        job.tables.bounds->max_error(depth, static_cast<std::uint8_t>(ray_class));
-    const int off = int{levels.depth(static_cast<std::uint32_t>(p.level))} - int{depth};
-    if (static_cast<std::uint32_t>(std::abs(off)) <= limit) return 0;
-    const Correction found = find_correction(levels, p, depth, limit, job.last_level);
+    const LevelWindow window =
+        job.tables.bounds->windows(static_cast<std::uint8_t>(ray_class))[depth];
+    if (p.level >= window.low && p.level <= window.high) return 0;
+    const Correction found = find_correction(*job.tables.levels, p, depth, window, job.last_level);
     if (std::abs(found.steps) > kMaxUnary) jump = {found.jump, depth};
     return found.steps;
   }

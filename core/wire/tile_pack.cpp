@@ -29,6 +29,24 @@ std::size_t verbatim_bytes(const TileSpan& span) noexcept {
   return std::size_t{span.u1 - span.u0} * (span.v1 - span.v0) * 2 + 8;
 }
 
+// Of a block's pixels, `columns` x `rows`.
+std::uint32_t count_readings(const std::uint16_t* depth, std::size_t width, std::uint32_t columns,
+                             std::uint32_t rows) noexcept {
+  std::uint32_t readings = 0;
+  if (columns == 8) {
+    Short8 holes = {};  // counted downwards
+    for (std::uint32_t y = 0; y < rows; ++y)
+      holes += reinterpret_cast<Short8>(load8(depth + y * width) == Count8{});
+    std::int32_t sum = 0;
+    for (int x = 0; x < 8; ++x) sum += holes[x];
+    return columns * rows - static_cast<std::uint32_t>(-sum);
+  }
+  for (std::uint32_t y = 0; y < rows; ++y) {
+    for (std::uint32_t x = 0; x < columns; ++x) readings += depth[y * width + x] != 0;
+  }
+  return readings;
+}
+
 }  // namespace
 
 void TilePacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
@@ -117,11 +135,9 @@ void TilePacker::open_block_row(Job& job, std::uint32_t row) noexcept {
   for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
     const std::uint32_t bx = job.rect.bx + i;
     const std::uint32_t u_end = std::min(bx * 8 + 8, job.span.u1);
-    std::uint32_t readings = 0;
-    for (std::uint32_t v = by * 8; v < v_end; ++v) {
-      const std::uint16_t* depth = &job.frame.depth[std::size_t{v} * job.width()];
-      for (std::uint32_t u = bx * 8; u < u_end; ++u) readings += depth[u] != 0;
-    }
+    const std::uint32_t readings =
+        count_readings(&job.frame.depth[std::size_t{by} * 8 * job.width() + bx * 8], job.width(),
+                       u_end - bx * 8, v_end - by * 8);
     BlockState& block = blocks[i];
     block = {};
     block.uniform = 1;
@@ -158,9 +174,9 @@ void TilePacker::try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept
   const BlockPlane foretold = foretell_plane(hints, half_widths, job.last_level);
   const PlaneSteps steps(half_widths[(foretold.middle + 128) >> 8]);
   FlatWindow window;
-  load_window(job.tables, &job.frame.depth[std::size_t{by} * 8 * job.width() + bx * 8], job.width(),
-              std::min(8U, job.span.u1 - bx * 8), std::min(8U, job.span.v1 - by * 8), ray_class,
-              window);
+  load_window(bounds.windows(ray_class),
+              &job.frame.depth[std::size_t{by} * 8 * job.width() + bx * 8], job.width(),
+              std::min(8U, job.span.u1 - bx * 8), std::min(8U, job.span.v1 - by * 8), window);
   FlatChoice& flat = flats_[i];
   if (!fit_flat(window, foretold, steps, job.last_level, flat.code)) return;
   flat.contexts = PlaneContexts(hints);
@@ -195,8 +211,10 @@ void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
     if (blocks[i].label.first != 0) segment.place.lie_on(surfaces_[i], tile_v % 8);
     if (job.tables.bounds->lossless()) {
       quantise_residuals(job, rows, segment);
+    } else if (job.surfaces_kind && segment.place.has_surface) {
+      quantise_segment<true>(job, rows, segment);
     } else {
-      quantise_segment(job, rows, segment);
+      quantise_segment<false>(job, rows, segment);
     }
   }
 }
@@ -211,65 +229,83 @@ void TilePacker::quantise_flat(Job& job, const TileRows rows, std::uint32_t x0, 
     job.fallback = rows.here.level[at + (x1 - x0) - 1];
     return;
   }
+  MaskWalk mask = rows.mask(x0);
   for (std::uint32_t x = x0; x < x1; ++x) {
-    const Neighbourhood around = rows.around(x);
     Token token;
-    token.mask_context = mask_context(around);
-    if (depths[x] != 0) {
-      token.kind = PixelKind::kFlat;
-      job.fallback = rows.here.level[around.at];
-    } else {
-      rows.here.set_hole(around.at);
-    }
+    token.mask_context = static_cast<std::uint8_t>(mask.context());
+    const bool reading = depths[x] != 0;
+    token.kind = reading ? PixelKind::kFlat : PixelKind::kHole;
+    const std::size_t pixel = x + PixelRow::kBorder;
+    if (reading) job.fallback = rows.here.level[pixel];
+    rows.here.level[pixel] &= static_cast<std::uint16_t>(-static_cast<int>(reading));
+    mask.step(reading);
     tokens[x] = token;
   }
 }
 
 // What the loop uses is copied first: a store of a byte may change anything in memory, as far as a
-// compiler knows, and would have all of it read again.
+// compiler knows, and would have all of it read again. A token is written once, from registers.
+template <bool kChoosing>
 void TilePacker::quantise_segment(Job& job, const TileRows rows, const Segment& segment) noexcept {
   PixelPlace place = segment.place;
-  const bool choosing = job.surfaces_kind && place.has_surface;
   const bool full = segment.block.full != 0;
-  const LevelTable levels = *job.tables.levels;
-  const BoundTable& bounds = *job.tables.bounds;
-  const std::uint8_t ray_class = segment.ray_class;
+  const LevelWindow* const windows = job.tables.bounds->windows(segment.ray_class);
   const std::uint16_t* const depths = segment.row;
   Token* const tokens = segment.tokens;
   std::int32_t fallback = job.fallback;
   std::uint32_t corrections = 0;
   bool uniform = true;
+  MaskWalk mask = rows.mask(segment.x0);
   for (std::uint32_t x = segment.x0; x < segment.x1; ++x, place.step_right()) {
     const Neighbourhood around = rows.around(x);
     const std::uint16_t depth = depths[x];
-    Token token;
-    if (!full) token.mask_context = mask_context(around);
+    std::uint8_t in_mask = 0;
+    if (!full) {
+      in_mask = static_cast<std::uint8_t>(mask.context());
+      mask.step(depth != 0);
+    }
     if (depth == 0) {
       rows.here.set_hole(around.at);
-      tokens[x] = token;
+      tokens[x] = {.mask_context = in_mask};
       continue;
     }
-    if (choosing) token.choice_context = choice_context(around);
-    if (!choosing || !choose_surface(job, segment, x, depth, token, rows.here)) {
-      const PixelPrediction p = predict_pixel(around, place, fallback);
-      const int activity = pixel_activity(around, p);
-      token.kind = PixelKind::kPredicted;
-      token.correction_context = correction_context(around, activity);
-      const std::uint32_t limit = bounds.max_error(depth, ray_class);
-      const auto at = static_cast<std::uint32_t>(p.level);
-      if (static_cast<std::uint32_t>(std::abs(int{levels.depth(at)} - int{depth})) <= limit) {
-        keep_predicted(rows.here, around.at, p);
-      } else {
-        const std::int32_t level = correct(job, p, depth, limit, token);
-        token.sign_context = sign_context(around, p);
-        token.magnitude_context = magnitude_context(around, activity);
-        keep_corrected(rows.here, around.at, p, level, token.correction);
-        ++corrections;
+    std::uint8_t in_choice = 0;
+    if constexpr (kChoosing) {
+      in_choice = choice_context(around);
+      const PixelKind on = choose_surface(job, segment, x, depth, rows.here);
+      uniform &= on == PixelKind::kFirstSurface;
+      if (on != PixelKind::kPredicted) {
+        fallback = rows.here.level[around.at];
+        tokens[x] = {.mask_context = in_mask, .choice_context = in_choice, .kind = on};
+        continue;
       }
     }
-    uniform &= token.kind == PixelKind::kFirstSurface;
-    fallback = rows.here.level[around.at];
-    tokens[x] = token;
+    const PixelPrediction p = predict_pixel(around, place, fallback);
+    const int activity = pixel_activity(around, p);
+    const std::uint16_t in_correction = correction_context(around, activity);
+    const LevelWindow window = windows[depth];
+    if (p.level >= window.low && p.level <= window.high) [[likely]] {
+      keep_predicted(rows.here, around.at, p);
+      fallback = p.level;
+      tokens[x] = {.correction_context = in_correction,
+                   .mask_context = in_mask,
+                   .choice_context = in_choice,
+                   .kind = PixelKind::kPredicted};
+      continue;
+    }
+    const Correction found =
+        find_correction(*job.tables.levels, p, depth, window, place.last_level);
+    if (std::abs(found.steps) > kMaxUnary) jumps_[jumps_in_++] = {found.jump, depth};
+    tokens[x] = {.correction_context = in_correction,
+                 .correction = static_cast<std::int8_t>(found.steps),
+                 .sign_context = sign_context(around, p),
+                 .magnitude_context = magnitude_context(around, activity),
+                 .mask_context = in_mask,
+                 .choice_context = in_choice,
+                 .kind = PixelKind::kPredicted};
+    keep_corrected(rows.here, around.at, p, found.level, found.steps);
+    fallback = found.level;
+    ++corrections;
   }
   if (corrections != 0) segment.block.corrected = 1;
   if (!uniform) segment.block.uniform = 0;
@@ -277,8 +313,10 @@ void TilePacker::quantise_segment(Job& job, const TileRows rows, const Segment& 
   job.fallback = fallback;
 }
 
-bool TilePacker::choose_surface(const Job& job, const Segment& segment, std::uint32_t x,
-                                std::uint16_t depth, Token& token, PixelRow& row) const noexcept {
+// The surface of its block that holds a reading, kPredicted when none does.
+TilePacker::PixelKind TilePacker::choose_surface(const Job& job, const Segment& segment,
+                                                 std::uint32_t x, std::uint16_t depth,
+                                                 PixelRow& row) const noexcept {
   const std::uint32_t limit = job.tables.bounds->max_error(depth, segment.ray_class);
   const std::uint32_t u = job.span.u0 + x;
   const std::int32_t rx = job.tables.rays->x(u, segment.v), ry = job.tables.rays->y(u, segment.v);
@@ -287,20 +325,10 @@ bool TilePacker::choose_surface(const Job& job, const Segment& segment, std::uin
     if (label == 0) break;
     const std::uint16_t on = surface_depth(job.surface(label), rx, ry);
     if (on == 0 || static_cast<std::uint32_t>(std::abs(int{on} - int{depth})) > limit) continue;
-    token.kind = second ? PixelKind::kSecondSurface : PixelKind::kFirstSurface;
     keep_chosen(row, x + PixelRow::kBorder, job.tables.levels->nearest(on), second ? 2 : 1);
-    return true;
+    return second ? PixelKind::kSecondSurface : PixelKind::kFirstSurface;
   }
-  return false;
-}
-
-// The correction of a reading that its prediction does not hold; returns the level it leads to.
-std::int32_t TilePacker::correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
-                                 std::uint32_t limit, Token& token) noexcept {
-  const Correction found = find_correction(*job.tables.levels, p, depth, limit, job.last_level);
-  token.correction = static_cast<std::int8_t>(found.steps);
-  if (std::abs(found.steps) > kMaxUnary) jumps_[jumps_in_++] = {found.jump, depth};
-  return found.level;
+  return PixelKind::kPredicted;
 }
 
 Status TilePacker::pack_runs(const CodingTables& tables, const FrameModel& frame,

@@ -65,11 +65,10 @@ class TilePacker {
   void quantise_flat(Job& job, TileRows rows, std::uint32_t x0, std::uint32_t x1,
                      std::uint32_t tile_v, const std::uint16_t* depths, Token* tokens) noexcept;
   void quantise_row(Job& job, std::uint32_t v) noexcept;
+  template <bool kChoosing>
   void quantise_segment(Job& job, TileRows rows, const Segment& segment) noexcept;
-  bool choose_surface(const Job& job, const Segment& segment, std::uint32_t x, std::uint16_t depth,
-                      Token& token, PixelRow& row) const noexcept;
-  std::int32_t correct(const Job& job, const PixelPrediction& p, std::uint16_t depth,
-                       std::uint32_t limit, Token& token) noexcept;
+  PixelKind choose_surface(const Job& job, const Segment& segment, std::uint32_t x,
+                           std::uint16_t depth, PixelRow& row) const noexcept;
   void code_block_row(Job& job, RangeEncoder& shared, std::uint32_t row) noexcept;
   void code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const BlockNeighbours& n, const FlatChoice& flat) noexcept;

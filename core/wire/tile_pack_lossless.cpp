@@ -17,14 +17,18 @@ void TilePacker::quantise_residuals(Job& job, const TileRows rows,
   Token* const tokens = segment.tokens;
   std::int32_t fallback = job.fallback;
   std::uint32_t corrections = 0;
+  MaskWalk mask = rows.mask(segment.x0);
   for (std::uint32_t x = segment.x0; x < segment.x1; ++x, place.step_right()) {
     const Neighbourhood around = rows.around(x);
     const std::uint16_t depth = depths[x];
-    Token token;
-    if (!full) token.mask_context = mask_context(around);
+    std::uint8_t in_mask = 0;
+    if (!full) {
+      in_mask = static_cast<std::uint8_t>(mask.context());
+      mask.step(depth != 0);
+    }
     if (depth == 0) {
       rows.here.set_hole(around.at);
-      tokens[x] = token;
+      tokens[x] = {.mask_context = in_mask};
       continue;
     }
     const PixelPrediction p = predict_pixel(around, place, fallback);
@@ -32,21 +36,21 @@ void TilePacker::quantise_residuals(Job& job, const TileRows rows,
     const std::int32_t level = levels.nearest(depth);
     const std::int32_t residual = level - p.level;
     const std::int32_t turned = (residual ^ context.turned) - context.turned;
-    token.kind = PixelKind::kPredicted;
-    token.correction_context = static_cast<std::uint16_t>(context.model);
     const bool off_levels = levels.depth(static_cast<std::uint32_t>(level)) != depth;
+    ResidualSymbol symbol{kFarSymbol, 0};
     if (std::abs(residual) <= kMostNear && !off_levels) [[likely]] {
-      const ResidualSymbol symbol = residual_symbol(turned);
-      token.correction = static_cast<std::int8_t>(symbol.symbol);
-      token.sign_context = symbol.extra;
+      symbol = residual_symbol(turned);
     } else {
-      token.correction = kFarSymbol;
       jumps_[jumps_in_++] = {off_levels ? 0 : residual, depth};
     }
-    corrections += token.correction != 0;
+    corrections += symbol.symbol != 0;
     keep_residual(rows.here, around.at, p, level);
     fallback = level;
-    tokens[x] = token;
+    tokens[x] = {.correction_context = static_cast<std::uint16_t>(context.model),
+                 .correction = static_cast<std::int8_t>(symbol.symbol),
+                 .sign_context = symbol.extra,
+                 .mask_context = in_mask,
+                 .kind = PixelKind::kPredicted};
   }
   if (corrections != 0) segment.block.corrected = 1;
   job.corrections += corrections;

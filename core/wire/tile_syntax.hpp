@@ -16,6 +16,7 @@
 #include "core/predict/level_table.hpp"
 #include "core/predict/pixel_predictor.hpp"
 #include "core/sensor/ray_table.hpp"
+#include "core/wire/mask_walk.hpp"
 #include "core/wire/tile_models.hpp"
 
 namespace planecast {
@@ -87,14 +88,6 @@ inline bool may_be_flat(const CodingTables& tables, const BlockState& block) noe
          (tables.config->tolerance != ToleranceKind::kSurfaces || block.label.first == 0);
 }
 
-/// Context of a pixel's "is there a reading", from eight causal neighbours.
-inline std::uint8_t mask_context(const Neighbourhood& n) noexcept {
-  const int context = (n.l() != 0) | (n.u() != 0) << 1 | (n.ul() != 0) << 2 | (n.ur() != 0) << 3 |
-                      (n.ll() != 0) << 4 | (n.uu() != 0) << 5 |
-                      (n.above.level[n.at + 2] != 0) << 6 | (n.above.level[n.at - 2] != 0) << 7;
-  return static_cast<std::uint8_t>(context);
-}
-
 /// The pixels of a tile: columns u0 .. u1-1, rows v0 .. v1-1 of the image.
 struct TileSpan {
   std::uint32_t u0 = 0, v0 = 0, u1 = 0, v1 = 0;
@@ -114,6 +107,10 @@ struct TileRows {
   TileRows(std::span<PixelRow> rows, std::uint32_t tile_v) noexcept
       : here(rows[tile_v % 3]), above(rows[(tile_v + 2) % 3]), above2(rows[(tile_v + 1) % 3]) {}
 
+  /// Contexts of the mask from pixel x on.
+  MaskWalk mask(std::uint32_t x) const noexcept {
+    return {here, above, above2, x + PixelRow::kBorder};
+  }
   /// Neighbourhood of pixel x.
   Neighbourhood around(std::uint32_t x) const noexcept {
     return {here, above, above2, x + PixelRow::kBorder};
@@ -177,10 +174,19 @@ inline int flat_context(const BlockNeighbours& n, const BlockState& block) noexc
 inline void keep_flat(PixelRow& row, std::size_t at, const BlockSurface& plane, std::uint32_t y,
                       std::uint32_t columns, std::int32_t last_level) noexcept {
   std::int32_t q = plane.at(0, y) + 128;
+  const std::int32_t end = q + 7 * plane.dx, most = last_level * 256 + 255;
+  if (columns == 8 && std::min(q, end) >= 256 && std::max(q, end) <= most) [[likely]] {
+    const Int4 first = Int4{q, q, q, q} + Int4{0, plane.dx, 2 * plane.dx, 3 * plane.dx};
+    const std::int32_t half = 4 * plane.dx;
+    const Short8 levels = low_halves8(first >> 8, (first + Int4{half, half, half, half}) >> 8);
+    store8(row.level + at, reinterpret_cast<Count8>(levels));
+    row.forget(at, 8);
+    return;
+  }
   for (std::uint32_t x = 0; x < columns; ++x, q += plane.dx) {
     row.level[at + x] = static_cast<std::uint16_t>(std::clamp(q >> 8, 1, last_level));
   }
-  std::fill_n(row.past + at, columns, PixelPast{});
+  row.forget(at, columns);
 }
 
 /// Context of which surface a pixel is on, in surfaces kind.

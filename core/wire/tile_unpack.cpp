@@ -244,20 +244,30 @@ void TileUnpacker::read_flat(Job& job, RangeDecoder& coder, const TileRows rows,
   const std::uint32_t columns = segment.x1 - segment.x0;
   const LevelTable& levels = *job.tables.levels;
   keep_flat(rows.here, at, plane, segment.v % 8, columns, job.last_level);
-  if (segment.block.full == 0) {
-    for (std::uint32_t x = segment.x0; x < segment.x1; ++x) {
-      const Neighbourhood around = rows.around(x);
-      if (!coder.bit(models_.mask[mask_context(around)])) rows.here.set_hole(around.at);
+  std::uint16_t* const level = rows.here.level + at;
+  std::uint16_t* const depth = segment.depth + segment.x0;
+  if (segment.block.full != 0) {
+    job.fallback = level[columns - 1];
+    job.content.points += columns;
+    levels.depths(level, columns, depth);
+  } else {
+    MaskWalk mask = rows.mask(segment.x0);
+    std::uint32_t points = 0;
+    for (std::uint32_t x = 0; x < columns; ++x) {
+      const bool reading = coder.bit(models_.mask[mask.context()]);
+      mask.step(reading);
+      if (reading) job.fallback = level[x];
+      level[x] &= static_cast<std::uint16_t>(-static_cast<int>(reading));
+      points += reading;
     }
-  }
-  const std::uint16_t* level = rows.here.level + at;
-  for (std::uint32_t x = 0; x < columns; ++x) {
-    segment.depth[segment.x0 + x] = levels.depth(level[x]);
-    if (level[x] == 0) continue;
-    job.fallback = level[x];
-    ++job.content.points;
+    job.content.points += points;
+    levels.depths(level, columns, depth);
   }
   if (segment.labels == nullptr) return;
+  if (segment.block.full != 0) {
+    std::fill_n(segment.labels + segment.x0, columns, segment.block.label.first);
+    return;
+  }
   for (std::uint32_t x = 0; x < columns; ++x)
     segment.labels[segment.x0 + x] = level[x] != 0 ? segment.block.label.first : std::uint8_t{0};
 }
@@ -324,11 +334,17 @@ bool TileUnpacker::read_segment(Job& job, RangeDecoder& shared, const TileRows r
   std::uint8_t* const labels = segment.labels;
   std::int32_t fallback = job.fallback;
   std::uint32_t points = 0, corrections = 0;
+  MaskWalk mask = rows.mask(segment.x0);
   for (std::uint32_t x = segment.x0; x < segment.x1; ++x, place.step_right()) {
     const Neighbourhood around = rows.around(x);
     std::uint16_t depth = 0;
     std::uint8_t label = 0, choice = 0;
-    if (block.full == 0 && !coder.bit(models_.mask[mask_context(around)])) {
+    bool reading = true;
+    if (block.full == 0) {
+      reading = coder.bit(models_.mask[mask.context()]);
+      mask.step(reading);
+    }
+    if (!reading) {
       rows.here.set_hole(around.at);
     } else if (choosing && read_choice(coder, around, block, choice)) {
       label = choice == 1 ? block.label.first : block.label.second;

@@ -43,9 +43,15 @@ Status TileUnpacker::read_lossless_row(Job& job, RangeDecoder& shared,
     }
     PixelPlace place(no_widths, last_level);
     if (block.label.first != 0) place.lie_on(surfaces_[i], tile_v % 8);
+    MaskWalk mask = rows.mask(x0);
     for (std::uint32_t x = x0; x < x1; ++x, place.step_right()) {
       const Neighbourhood around = rows.around(x);
-      if (block.full == 0 && !coder.bit(models_.mask[mask_context(around)])) {
+      bool reading = true;
+      if (block.full == 0) {
+        reading = coder.bit(models_.mask[mask.context()]);
+        mask.step(reading);
+      }
+      if (!reading) {
         rows.here.set_hole(around.at);
         depths[x] = 0;
         if (labels != nullptr) labels[x] = 0;

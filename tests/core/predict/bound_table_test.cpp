@@ -174,6 +174,31 @@ TEST(BoundTable, HalfWidthsReachTheFarthestLevelWithinTheError) {
   }
 }
 
+TEST(BoundTable, WindowsHoldExactlyTheLevelsWithinTheError) {
+  for (std::uint64_t seed = 60; seed < 68; ++seed) {
+    Pcg32 random(seed);
+    const PredictBench b(test::random_config(random, 60));
+    const auto ray_class = static_cast<std::uint8_t>(random.below(kRayClasses));
+    const LevelWindow* windows = b.bounds.windows(ray_class);
+    EXPECT_EQ(windows[0].high, 0U);
+    for (std::uint32_t d = 1; d < 65536; d += 1 + random.below(40)) {
+      const auto depth = static_cast<std::uint16_t>(d);
+      const std::uint32_t error = b.bounds.max_error(depth, ray_class);
+      const auto holds = [&](std::uint32_t level) {
+        return level >= 1 && level < b.levels.count() &&
+               std::abs(int{b.levels.depth(level)} - int{depth}) <= static_cast<int>(error);
+      };
+      const LevelWindow w = windows[d];
+      // All between its ends and none beside them: depths rise with levels.
+      ASSERT_EQ(w.low <= w.high, holds(b.levels.nearest(depth))) << d;
+      ASSERT_FALSE(holds(w.low - 1U) || holds(w.high + 1U)) << d;
+      if (w.low <= w.high) {
+        ASSERT_TRUE(holds(w.low) && holds(w.high)) << d;
+      }
+    }
+  }
+}
+
 TEST(BoundTable, HugeSigmasAreCutNotWrapped) {
   StreamConfig c;
   Pcg32 random(9);
@@ -199,7 +224,7 @@ TEST(BoundTable, AnImageBeyondTheLayoutIsRefused) {
   std::vector<std::int32_t> storage(ray_table_entries(c.camera));
   RayTable rays;
   ASSERT_EQ(build_ray_table(c.camera, storage, rays), Status::kOk);
-  Arena arena = std::move(*Arena::map(std::size_t{4} << 20U));
+  Arena arena = std::move(*Arena::map(std::size_t{8} << 20U));
   LevelTable levels;
   BoundTable bounds;
   levels.layout(arena);

@@ -15,7 +15,7 @@ struct PredictBench {
   StreamConfig config;
   std::vector<std::int32_t> storage;
   RayTable rays;
-  Arena arena = std::move(*Arena::map(std::size_t{4} << 20U));
+  Arena arena = std::move(*Arena::map(std::size_t{8} << 20U));
   LevelTable levels;
   BoundTable bounds;
 

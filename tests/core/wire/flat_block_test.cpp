@@ -63,26 +63,33 @@ TEST(FlatBlock, CostsLessThanAQuarterBitAPointOnANoisyPlane) {
   EXPECT_LT(static_cast<double>(b.report.bytes) * 8, 0.25 * static_cast<double>(image.size()));
 }
 
+// A window of readings on a tilted plane around `level`, some of them holes.
+FlatWindow random_window(Pcg32& random, std::int32_t level, std::int32_t half) {
+  FlatWindow window;
+  const double dx = test::between(random, -900, 900), dy = test::between(random, -900, 900);
+  const double noise = test::between(random, 0, 1.2) * half;
+  const std::uint32_t holes = random.below(2) * 5;
+  for (int i = 0; i < 64; ++i) {
+    const double at = level + (dx * (i % 8) + dy * (i / 8)) / 256;
+    const auto own =
+        static_cast<std::int32_t>(std::lround(at + noise * (2 * random.uniform() - 1)));
+    const bool hole = holes != 0 && random.below(holes) == 0;
+    window.low[i] = static_cast<std::uint16_t>(hole ? 0 : own - half);
+    window.high[i] = static_cast<std::uint16_t>(hole ? 0 : own + half);
+  }
+  window.prepare();
+  return window;
+}
+
 TEST(FlatBlock, TheFitLeadsToAPlaneWithinEveryWindow) {
   Pcg32 random(9);
   int found = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    FlatWindow window;
-    const std::int32_t half = static_cast<std::int32_t>(random.below(20));
+    const auto half = static_cast<std::int32_t>(random.below(20));
     const PlaneSteps steps(half);
-    const double dx = test::between(random, -900, 900), dy = test::between(random, -900, 900);
-    const double noise = test::between(random, 0, 1.2) * half;
-    for (int i = 0; i < 64; ++i) {
-      const double level = 4000 + (dx * (i % 8) + dy * (i / 8)) / 256;
-      const auto own =
-          static_cast<std::int32_t>(std::lround(level + noise * (2 * random.uniform() - 1)));
-      const bool hole = random.below(5) == 0;
-      window.own[i] = hole ? 0 : own;
-      window.low[i] = hole ? -(1 << 28) : (own - half) * 256 - 128;
-      window.high[i] = hole ? 1 << 28 : (own + half) * 256 + 127;
-      window.readings += !hole;
-    }
-    const BlockPlane foretold{4000 * 256, static_cast<std::int32_t>(random.below(800)),
+    const std::int32_t level = trial % 3 == 0 ? 40000 : 4000;  // beyond 15 bits as well
+    const FlatWindow window = random_window(random, level, half);
+    const BlockPlane foretold{level * 256, static_cast<std::int32_t>(random.below(800)),
                               -static_cast<std::int32_t>(random.below(800))};
     FlatCode code;
     if (!fit_flat(window, foretold, steps, 65535, code)) continue;
@@ -92,12 +99,63 @@ TEST(FlatBlock, TheFitLeadsToAPlaneWithinEveryWindow) {
                                                    foretold.dy + code.dy * steps.slope, 65535)
                                    .surface();
     for (std::uint32_t i = 0; i < 64; ++i) {
-      if (window.own[i] == 0) continue;
-      const std::int32_t level = (plane.at(i % 8, i / 8) + 128) >> 8;
-      ASSERT_LE(std::abs(level - window.own[i]), half) << trial << " pixel " << i;
+      if (window.high[i] == 0) continue;
+      const std::int32_t at = (plane.at(i % 8, i / 8) + 128) >> 8;
+      ASSERT_TRUE(at >= window.low[i] && at <= window.high[i]) << trial << " pixel " << i;
     }
   }
   EXPECT_GT(found, 1200);
+}
+
+TEST(FlatBlock, EightLanesOfSixteenBitsFindWhatWholeNumbersFind) {
+  Pcg32 random(10);
+  int narrow = 0, found = 0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    const auto half = static_cast<std::int32_t>(random.below(30));
+    FlatWindow window = random_window(random, 3000, half);
+    const BlockPlane foretold{(3000 + static_cast<std::int32_t>(random.below(60)) - 30) * 256,
+                              static_cast<std::int32_t>(random.below(2000)) - 1000,
+                              static_cast<std::int32_t>(random.below(2000)) - 1000};
+    narrow += window.narrow;
+    FlatCode lanes, numbers;
+    const bool fits = fit_flat(window, foretold, PlaneSteps(half), 65535, lanes);
+    window.narrow = false;
+    ASSERT_EQ(fit_flat(window, foretold, PlaneSteps(half), 65535, numbers), fits) << trial;
+    if (!fits) continue;
+    ++found;
+    ASSERT_EQ(lanes.offset, numbers.offset);
+    ASSERT_EQ(lanes.dx, numbers.dx);
+    ASSERT_EQ(lanes.dy, numbers.dy);
+  }
+  EXPECT_GT(narrow, 3000);
+  EXPECT_GT(found, 1200);
+}
+
+TEST(FlatBlock, AWindowIsWhatTheTableSaysOfEachReading) {
+  Pcg32 random(11);
+  std::vector<LevelWindow> table(65536);
+  for (std::uint32_t d = 1; d < 65536; ++d) {
+    table[d] = {static_cast<std::uint16_t>(1 + d / 3), static_cast<std::uint16_t>(1 + d / 3 + 7)};
+  }
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::uint32_t columns = trial < 100 ? 8 : 1 + random.below(8);
+    const std::uint32_t rows = trial < 100 ? 8 : 1 + random.below(8);
+    std::vector<std::uint16_t> depth(11 * 8);
+    for (std::uint16_t& d : depth)
+      d = static_cast<std::uint16_t>(random.below(trial % 2 * 60000 + 99));
+    FlatWindow window;
+    load_window(table.data(), depth.data(), 11, columns, rows, window);
+    std::int32_t readings = 0;
+    for (std::uint32_t i = 0; i < 64; ++i) {
+      const bool inside = i % 8 < columns && i / 8 < rows;
+      const std::uint16_t d = inside ? depth[i / 8 * 11 + i % 8] : std::uint16_t{0};
+      ASSERT_EQ(window.low[i], table[d].low);
+      ASSERT_EQ(window.high[i], table[d].high);
+      readings += d != 0;
+    }
+    EXPECT_EQ(window.readings, readings);
+    EXPECT_FALSE(window.empty);
+  }
 }
 
 TEST(FlatBlock, LosslessStreamsHaveNone) {

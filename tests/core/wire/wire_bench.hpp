@@ -58,7 +58,7 @@ struct WireBench {
   explicit WireBench(const StreamConfig& stream) : config(stream) {
     config.kind = FrameKind::kDepth;
     const CameraModel& c = config.camera;
-    arena = std::move(*Arena::map((std::size_t{6} << 20U) + std::size_t{c.pixels()} * 80));
+    arena = std::move(*Arena::map((std::size_t{10} << 20U) + std::size_t{c.pixels()} * 80));
     tables.layout(arena, {c.width, c.height});
     packer.layout(arena, c.width, c.height);
     unpacker.layout(arena, c.width);
