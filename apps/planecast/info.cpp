@@ -71,7 +71,7 @@ class SliceViewer {
  private:
   // Lists are looked at by a decoder of their own.
   void layout(Arena& arena, const FrameLimits& limits) {
-    tables_.layout(arena, limits);
+    tables_.layout(arena, limits, CodecHalf::kDecoder);
     unpacker_.layout(arena, limits.max_width);
     raw_unpacker_.layout(arena, limits.max_width);
     depth_ = arena.take<std::uint16_t>(limits.pixels());
