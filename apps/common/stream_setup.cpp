@@ -68,8 +68,11 @@ void name_unused(const CodecOptions& options, StreamSetup& setup) {
       setup.notes.push_back(fmt::format("--{} has no effect on this input in this version", name));
   };
   note("lidar");
-  if (setup.encoder.stream.kind != FrameKind::kDepth) note("effort");
-  if (setup.encoder.stream.kind == FrameKind::kPoints) return note("budget-ms");
+  if (setup.encoder.stream.kind != FrameKind::kDepth) {
+    note("effort");
+    note("budget-ms");
+  }
+  if (setup.encoder.stream.kind == FrameKind::kPoints) return;
   for (const char* name : {"regenerate", "alpha", "smoothness", "k", "max-points"}) note(name);
 }
 
