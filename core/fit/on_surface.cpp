@@ -12,6 +12,7 @@ namespace planecast {
 namespace {
 
 constexpr int kMinSecond = 6;
+constexpr int kMinTaken = 12;  // of what a neighbour offers: each costs a choice for every pixel
 
 bool on_surface(const FitTables& tables, const Surface& surface, std::uint8_t ray_class,
                 std::uint32_t u, std::uint32_t v, std::uint16_t depth) noexcept {
@@ -167,19 +168,87 @@ std::uint64_t on_bits(const FitTables& tables, std::span<const std::uint16_t> de
   return on | exactly_on(tables, depth, b, wanted & verdict.open & ~verdict.on, surface);
 }
 
+// Surfaces of the fine cells in and around a block: those with most cells, cells inside counting
+// more than those around.
+Candidates fine_candidates(const RegionMap& regions, std::span<const std::uint8_t> surface_of,
+                           std::uint32_t bx, std::uint32_t by) noexcept {
+  constexpr int kInside = 5;
+  const std::uint32_t x0 = bx > 0 ? 2 * bx - 1 : 0, y0 = by > 0 ? 2 * by - 1 : 0;
+  std::uint8_t label[16];
+  int times[16], count = 0;
+  for (std::uint32_t y = y0; y < std::min(2 * by + 3, regions.cells_high); ++y) {
+    for (std::uint32_t x = x0; x < std::min(2 * bx + 3, regions.cells_wide); ++x) {
+      const std::uint8_t here = surface_of[regions.labels[std::size_t{y} * regions.cells_wide + x]];
+      if (here == 0) continue;
+      int k = 0;
+      while (k < count && label[k] != here) ++k;
+      if (k == count) {
+        label[count] = here;
+        times[count++] = 0;
+      }
+      times[k] += x / 2 == bx && y / 2 == by ? kInside : 1;
+    }
+  }
+  Candidates out;
+  while (out.count < 4) {
+    int best = -1;
+    for (int k = 0; k < count; ++k) {
+      if (times[k] > 0 && (best < 0 || times[k] > times[best])) best = k;
+    }
+    if (best < 0) break;
+    times[best] = 0;
+    out.label[out.count++] = label[best];
+  }
+  return out;
+}
+
+// Gives a block that has one surface the one of a neighbour that most of its readings off its own
+// lie on: narrow things go on where no cell of theirs is pure.
+void take_from_neighbours(const FitTables& tables, std::span<const std::uint16_t> depth,
+                          std::span<const Surface> surfaces, std::uint32_t bx, std::uint32_t by,
+                          std::span<BlockLabel> labels, std::span<std::uint64_t> off) noexcept {
+  const std::uint32_t wide = blocks_wide(tables), high = blocks_high(tables);
+  const std::size_t block = std::size_t{by} * wide + bx;
+  BlockLabel& label = labels[block];
+  if (label.first == 0 || label.second != 0 || std::popcount(off[block]) < kMinTaken) return;
+  const BlockPixels b = block_pixels(tables, depth, bx, by);
+  std::uint64_t tried = std::uint64_t{1} | (std::uint64_t{1} << label.first), best_on = 0;
+  std::uint8_t best = 0;
+  const auto offer = [&](std::uint8_t next) {
+    if (((tried >> next) & 1U) != 0) return;
+    tried |= std::uint64_t{1} << next;
+    const std::uint64_t on = on_bits(tables, depth, b, off[block], surfaces[next - 1U]);
+    if (std::popcount(on) < kMinTaken || std::popcount(on) <= std::popcount(best_on)) return;
+    best = next;
+    best_on = on;
+  };
+  for (std::uint32_t y = by > 0 ? by - 1 : 0; y <= std::min(by + 1, high - 1); ++y) {
+    for (std::uint32_t x = bx > 0 ? bx - 1 : 0; x <= std::min(bx + 1, wide - 1); ++x) {
+      offer(labels[std::size_t{y} * wide + x].first);
+      offer(labels[std::size_t{y} * wide + x].second);
+    }
+  }
+  if (best == 0) return;
+  label.second = best;
+  off[block] &= ~best_on;
+}
+
 }  // namespace
 
 void label_on_surface(const FitTables& tables, std::span<const std::uint16_t> depth,
                       const RegionMap& regions, std::span<const std::uint8_t> surface_of,
-                      std::span<const Surface> surfaces, std::span<BlockLabel> labels) noexcept {
-  std::fill(labels.begin(), labels.end(), BlockLabel{});
-  for (std::uint32_t by = 0; by < regions.cells_high; ++by) {
-    for (std::uint32_t bx = 0; bx < regions.cells_wide; ++bx) {
-      const Candidates candidates = block_candidates(regions, surface_of, bx, by);
-      if (candidates.count == 0) continue;
+                      std::span<const Surface> surfaces, std::span<BlockLabel> labels,
+                      std::span<std::uint64_t> off) noexcept {
+  const std::uint32_t wide = blocks_wide(tables), high = blocks_high(tables);
+  for (std::uint32_t by = 0; by < high; ++by) {
+    for (std::uint32_t bx = 0; bx < wide; ++bx) {
+      const std::size_t block = std::size_t{by} * wide + bx;
+      BlockLabel& label = labels[block];
+      label = {};
       const BlockPixels b = block_pixels(tables, depth, bx, by);
-      const std::uint64_t readings = b.readings;
+      const std::uint64_t readings = off[block] = b.readings;
       if (readings == 0) continue;
+      const Candidates candidates = fine_candidates(regions, surface_of, bx, by);
       std::uint64_t on[4] = {};
       int first = 0;
       for (int i = 0; i < candidates.count; ++i) {
@@ -187,17 +256,23 @@ void label_on_surface(const FitTables& tables, std::span<const std::uint16_t> de
         if (std::popcount(on[i]) > std::popcount(on[first])) first = i;
       }
       if (on[first] == 0 || std::popcount(on[first]) * 4 < std::popcount(readings)) continue;
-      BlockLabel& label = labels[std::size_t{by} * regions.cells_wide + bx];
       label.first = candidates.label[first];
-      int most = kMinSecond - 1;
+      off[block] &= ~on[first];
+      std::uint64_t more = 0;
       for (int i = 0; i < candidates.count; ++i) {
-        const int more = std::popcount(on[i] & ~on[first]);
-        if (i == first || more <= most) continue;
-        most = more;
+        const std::uint64_t rest = on[i] & off[block];
+        if (std::popcount(rest) < kMinSecond || std::popcount(rest) <= std::popcount(more))
+          continue;
+        more = rest;
         label.second = candidates.label[i];
       }
+      off[block] &= ~more;
     }
   }
+  for (std::uint32_t i = 0; i < wide * high; ++i)
+    take_from_neighbours(tables, depth, surfaces, i % wide, i / wide, labels, off);
+  for (std::uint32_t i = wide * high; i-- > 0;)
+    take_from_neighbours(tables, depth, surfaces, i % wide, i / wide, labels, off);
 }
 
 Status drop_off_surface(const FitTables& tables, std::span<std::uint16_t> depth,

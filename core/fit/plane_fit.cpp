@@ -7,12 +7,9 @@
 namespace planecast {
 namespace {
 
-constexpr float kInlier = 4.0F;       // noise variances: more is no noise of this surface
-constexpr float kClean = 1.6F;        // the same along a border, where something else may have part
-constexpr std::uint32_t kInside = 4;  // cells inside a region that make a fit of their own
-// One plane for two regions may add this much to the mean squared residual of the smaller one, in
-// noise variances: parts of one wall do, once the cells along their borders are left out.
-constexpr double kJoinSlack = 0.5;
+constexpr float kInlier = 4.0F;        // noise variances: more is no noise of this surface
+constexpr std::uint32_t kInside = 4;   // cells inside a region that make a fit of their own
+constexpr std::uint32_t kReach = 2;    // fine cells that noise is shared over
 constexpr double kInsideShare = 0.25;  // of the region's cells
 
 // A region's sums over all of its cells, or only those inside it.
@@ -108,7 +105,7 @@ namespace {
 
 // How many independent readings' worth of variance the sum over a region has, for each reading: 1
 // where the noise of every pixel is its own, more where neighbours share it. Products of the mean
-// residuals of neighbouring cells say.
+// residuals of cells as far apart as noise reaches say.
 double shared_noise(const RegionMap& regions, std::span<const RegionFit> fits) noexcept {
   double products = 0, readings = 0;
   const auto residual = [&](std::uint32_t x, std::uint32_t y) {
@@ -118,16 +115,16 @@ double shared_noise(const RegionMap& regions, std::span<const RegionFit> fits) n
     const double off = double{cell.w} - s.at(double{cell.x}, double{cell.y});
     return double{cell.n} * off / std::sqrt(double{cell.variance});
   };
-  for (std::uint32_t y = 1; y + 1 < regions.cells_high; ++y) {
-    for (std::uint32_t x = 1; x + 1 < regions.cells_wide; ++x) {
+  for (std::uint32_t y = kReach; y + kReach < regions.cells_high; ++y) {
+    for (std::uint32_t x = kReach; x + kReach < regions.cells_wide; ++x) {
       const std::size_t i = std::size_t{y} * regions.cells_wide + x;
       const std::uint8_t label = regions.labels[i];
       if (label == 0 || is_curved(regions, label) || !is_inside(regions, x, y)) continue;
       if (!counts(regions.cells[i], fits[label - 1U].surface, true)) continue;
       const double here = residual(x, y);
       double around = 0;
-      for (std::uint32_t v = y - 1; v <= y + 1; ++v) {
-        for (std::uint32_t u = x - 1; u <= x + 1; ++u) {
+      for (std::uint32_t v = y - kReach; v <= y + kReach; ++v) {
+        for (std::uint32_t u = x - kReach; u <= x + kReach; ++u) {
           const std::size_t j = std::size_t{v} * regions.cells_wide + u;
           if (regions.labels[j] != label) continue;
           if (!counts(regions.cells[j], fits[label - 1U].surface, true)) continue;
@@ -141,68 +138,20 @@ double shared_noise(const RegionMap& regions, std::span<const RegionFit> fits) n
   return readings > 0 ? std::max(1.0, products / readings) : 1;
 }
 
-// A region's plane by its clean cells, and how far it is from them.
-struct CleanPlane {
-  PlaneSums sums;
-  double readings = 0, squares = 0;
-  std::uint32_t cells = 0;  ///< none where there are too few for a fit
-};
-using CleanPlanes = std::array<CleanPlane, kMaxSurfaces + 1>;
-
-CleanPlanes clean_planes(const RegionMap& regions, std::span<const RegionFit> fits) noexcept {
-  CleanPlanes planes{};
-  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool inside) {
-    if (is_curved(regions, label) ||
-        cell_residual(cell, fits[label - 1U].surface) > (inside ? kInlier : kClean))
-      return;
-    planes[label].sums.add(plane_sums(cell));
-    planes[label].readings += double{cell.n};
-    ++planes[label].cells;
-  });
-  for (CleanPlane& plane : planes) {
-    FloatSurface own;
-    if (plane.cells < kInside || !plane.sums.solve(own)) {
-      plane.cells = 0;
-    } else {
-      plane.squares = plane.sums.mean_square(own) * plane.sums.n;
-    }
-  }
-  return planes;
-}
-
-// Whether one plane does for both: then `first` becomes it.
-bool join(CleanPlane& first, const CleanPlane& second) noexcept {
-  CleanPlane both = first;
-  both.sums.add(second.sums);
-  FloatSurface plane;
-  if (!both.sums.solve(plane)) return false;
-  both.squares = both.sums.mean_square(plane) * both.sums.n;
-  if (both.squares - first.squares - second.squares > kJoinSlack * second.readings) return false;
-  both.readings += second.readings;
-  both.cells += second.cells;
-  first = both;
-  return true;
-}
-
 }  // namespace
 
 void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
                   std::span<PlaneSigmas> sigmas) noexcept {
-  std::array<PlaneSums, kMaxSurfaces + 1> all{}, inner{};
-  std::array<std::uint32_t, kMaxSurfaces + 1> inner_cells{};
-  std::array<double, kMaxSurfaces + 1> inner_readings{};
-  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool inside) {
-    all[label].add(plane_sums(cell));
-    if (!counts(cell, fits[label - 1U].surface, inside)) return;
-    inner[label].add(plane_sums(cell));
-    ++inner_cells[label];
-    inner_readings[label] += double{cell.n};
+  std::array<PlaneSums, kMaxSurfaces + 1> sums{};
+  std::array<double, kMaxSurfaces + 1> readings{};
+  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool) {
+    if (!counts(cell, fits[label - 1U].surface, true)) return;
+    sums[label].add(plane_sums(cell));
+    readings[label] += double{cell.n};
   });
   const double shared = shared_noise(regions, fits);
   for (int k = 0; k < regions.regions; ++k) {
-    const bool few = inner_cells[k + 1] < std::max<double>(kInside, kInsideShare * fits[k].cells);
-    const PlaneSums& s = few ? all[k + 1] : inner[k + 1];
-    const double readings = few ? fits[k].readings : inner_readings[k + 1];
+    const PlaneSums& s = sums[k + 1];
     sigmas[k] = {};
     if (!(s.n > 0)) continue;
     // Inverse of the normal equations: about the means, then c at the origin.
@@ -213,33 +162,10 @@ void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
     const double aa = yy / determinant, bb = xx / determinant, ab = -xy / determinant;
     const double cc = 1 / s.n + mx * mx * aa + my * my * bb + 2 * mx * my * ab;
     // Where a plane leaves more than the noise, its coefficients are known less well, too.
-    const double residual = s.mean_square(fits[k].surface) * s.n / readings;
+    const double residual = s.mean_square(fits[k].surface) * s.n / readings[k + 1];
     const double scale = shared * std::max(1.0, residual);
     sigmas[k] = {std::sqrt(scale * aa), std::sqrt(scale * bb), std::sqrt(scale * cc)};
   }
-}
-
-int join_planes(RegionMap& regions, std::span<RegionFit> fits) noexcept {
-  CleanPlanes planes = clean_planes(regions, fits);
-  std::array<std::uint8_t, kMaxSurfaces + 1> into{};
-  for (std::size_t k = 0; k < into.size(); ++k) into[k] = static_cast<std::uint8_t>(k);
-  int joined = 0;
-  for (int a = 1; a <= regions.regions; ++a) {
-    for (int b = 1; b <= regions.regions; ++b) {
-      CleanPlane &first = planes[a], &second = planes[b];
-      if (a == b || first.cells < second.cells || second.cells == 0 || !join(first, second))
-        continue;
-      second.cells = 0;
-      for (std::uint8_t& to : into) {
-        if (to == b) to = static_cast<std::uint8_t>(a);
-      }
-      ++joined;
-    }
-  }
-  if (joined == 0) return 0;
-  for (std::uint8_t& label : regions.labels) label = into[label];
-  fit_regions(regions, fits);
-  return joined;
 }
 
 }  // namespace planecast

@@ -29,15 +29,10 @@ struct PlaneSigmas {
   double a = 0, b = 0, c = 0;
 };
 
-/// Standard deviations of the planes that fit_regions() finds, sigmas[k - 1] of region k, from the
-/// noise of the cells and from how far neighbouring cells share it, measured over the whole frame.
+/// Standard deviations of the planes that RegionRefiner fits, sigmas[k - 1] of region k, from the
+/// noise of the fine cells and from how far neighbouring ones share it, measured over the frame.
 /// Not meant for regions of degree two. Cold path: O(cells), no allocation.
 void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
                   std::span<PlaneSigmas> sigmas) noexcept;
-
-/// Joins regions that one plane explains, wherever they lie, by the cells inside them, which
-/// nothing beside them touches; relabels in place (numbers of joined regions stay empty), fits
-/// again, and returns how many were joined. O(cells + regions^2).
-int join_planes(RegionMap& regions, std::span<RegionFit> fits) noexcept;
 
 }  // namespace planecast

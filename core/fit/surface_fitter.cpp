@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/fit/align_planes.hpp"
 #include "core/fit/on_surface.hpp"
 #include "core/fit/plane_fit.hpp"
 #include "core/fit/surface_quantise.hpp"
@@ -11,7 +12,10 @@ namespace planecast {
 void SurfaceFitter::layout(Arena& arena, std::uint32_t max_width,
                            std::uint32_t max_height) noexcept {
   labeller_.layout(arena, max_width, max_height);
-  scratch_ = arena.take<std::uint32_t>(std::size_t{(max_width + 7) / 8} * ((max_height + 7) / 8));
+  refiner_.layout(arena, max_width, max_height);
+  const std::size_t blocks = std::size_t{(max_width + 7) / 8} * ((max_height + 7) / 8);
+  scratch_ = arena.take<std::uint32_t>(blocks);
+  off_ = arena.take<std::uint64_t>(blocks);
 }
 
 Status SurfaceFitter::fit(const FitTables& tables, std::span<const std::uint16_t> depth,
@@ -29,10 +33,15 @@ Status SurfaceFitter::fit(const FitTables& tables, std::span<const std::uint16_t
   fit_regions(regions, fits_);
   report.split_regions =
       static_cast<std::uint32_t>(split_regions(regions, fits_, scratch_, options));
-  if (tables.config->tolerance == ToleranceKind::kSurfaces) (void)join_planes(regions, fits_);
+  const bool contract = tables.config->tolerance == ToleranceKind::kSurfaces;
+  if (contract) {
+    refined_ = refiner_.process(tables, depth, regions, fits_);
+    (void)align_planes(refined_, fits_);
+  }
+  const RegionMap& final = contract ? refined_ : regions;
   const std::span<const RegionFit> fits =
-      std::span(fits_).first(static_cast<std::size_t>(regions.regions));
-  const int shift = choose_shift(fits, largest_ray_sum(*tables.rays, regions.curved != 0));
+      std::span(fits_).first(static_cast<std::size_t>(final.regions));
+  const int shift = choose_shift(fits, largest_ray_sum(*tables.rays, final.curved != 0));
   report.shift = static_cast<std::uint8_t>(shift);
   std::array<std::uint8_t, kMaxSurfaces + 1> surface_of{};
   for (std::size_t k = 0; k < fits.size(); ++k) {
@@ -41,8 +50,8 @@ Status SurfaceFitter::fit(const FitTables& tables, std::span<const std::uint16_t
     surface_of[k + 1] = static_cast<std::uint8_t>(++report.surfaces);
   }
   const std::span<const Surface> found = surfaces.first(report.surfaces);
-  if (tables.config->tolerance == ToleranceKind::kSurfaces) {
-    label_on_surface(tables, depth, regions, surface_of, found, labels);
+  if (contract) {
+    label_on_surface(tables, depth, final, surface_of, found, labels, off_.first(blocks));
   } else {
     labeller_.process(tables, depth, regions, surface_of, found, labels);
   }

@@ -11,6 +11,7 @@
 #include "core/fit/block_label.hpp"
 #include "core/fit/consensus.hpp"
 #include "core/fit/fit_tables.hpp"
+#include "core/fit/region_refine.hpp"
 #include "core/model/frame_model.hpp"
 #include "core/model/region_map.hpp"
 
@@ -40,13 +41,20 @@ class SurfaceFitter {
              std::span<BlockLabel> labels, std::span<Surface> surfaces, FitReport& report,
              const ConsensusOptions& options = {}) noexcept;
 
+  /// Regions and fits of the last frame of a surfaces stream, over fine cells.
+  const RegionMap& refined() const noexcept { return refined_; }
+  std::span<const RegionFit> fits() const noexcept { return fits_; }
+
  private:
   static void keep_used(std::span<BlockLabel> labels, std::span<Surface> surfaces,
                         FitReport& report) noexcept;
 
   BlockLabeller labeller_;
+  RegionRefiner refiner_;
+  RegionMap refined_;
   std::array<RegionFit, kMaxSurfaces> fits_{};
   std::span<std::uint32_t> scratch_;
+  std::span<std::uint64_t> off_;
 };
 
 }  // namespace planecast

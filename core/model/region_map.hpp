@@ -76,6 +76,7 @@ struct RegionMap {
   std::span<std::uint8_t> labels;  ///< 0 none, 1 .. regions; fitting may split regions in place
   int regions = 0;                 ///< at most kMaxSurfaces
   std::uint64_t curved = 0;        ///< bit k: region k is of degree two
+  float noise_factor = 1;          ///< in the variances of the cells, over the noise model's
 };
 
 }  // namespace planecast

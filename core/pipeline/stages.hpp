@@ -58,6 +58,8 @@ class FitStage {
   void layout(Arena& arena, const FrameLimits& limits, FrameKind kind) noexcept;
   void bind(const StreamTables& tables, const StageOptions& options) noexcept;
   Status process(FrameSlot& slot) noexcept;
+  /// What the last frame's fit was, for those who look into it.
+  const SurfaceFitter& fitter() const noexcept { return fitter_; }
 
  private:
   const StreamTables* tables_ = nullptr;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/base/lanes.hpp"
+#include "core/model/cell_moments.hpp"
 #include "core/model/surface.hpp"
 
 namespace planecast {
@@ -12,8 +13,7 @@ namespace {
 constexpr std::uint32_t kSide = 8;
 constexpr float kIvOne = 2147483648.0F;  // 2^kInverseDepthBits
 constexpr double kRayOne = 1.0 / (1 << 27);
-constexpr double kUnknownNoise = 0.002;  // [1/m]
-constexpr float kSeedShare = 0.6F;       // of a cell's pixels, for a plane of its own
+constexpr float kSeedShare = 0.6F;  // of a cell's pixels, for a plane of its own
 constexpr float kJoinShare = 0.5F;
 constexpr float kLeastReadings = 4;
 // Noise is found from groups of 2 x 2 cells: the residual from one plane that this share of them
@@ -21,11 +21,6 @@ constexpr float kLeastReadings = 4;
 constexpr double kNoiseShare = 0.4;
 constexpr std::uint32_t kLeastGroups = 24;
 constexpr double kMostNoise = 16;  // noise variances
-
-// Sums of a cell's readings about a ray (x0, y0) and an inverse depth w0 of its own.
-struct LocalSums {
-  float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, w = 0, xw = 0, yw = 0, ww = 0;
-};
 
 // An inverse depth of the cell to count from: the first reading's.
 float origin_of(const std::uint16_t* depth, std::size_t stride, std::uint32_t wide,
@@ -148,49 +143,7 @@ LocalSums any_sums(const RayTable& rays, const std::uint16_t* depth, std::uint32
   return out;
 }
 
-// Moments from sums; false when the readings lie on one line.
-bool set_moments(const LocalSums& s, Cell& cell) noexcept {
-  const float share = 1 / s.n;
-  const float mx = s.x * share, my = s.y * share, mw = s.w * share;
-  cell.n = s.n;
-  cell.x = mx;
-  cell.y = my;
-  cell.w = mw;
-  cell.xx = s.xx * share - mx * mx;
-  cell.xy = s.xy * share - mx * my;
-  cell.yy = s.yy * share - my * my;
-  const float xw = s.xw * share - mx * mw, yw = s.yw * share - my * mw;
-  const float ww = std::max(0.0F, s.ww * share - mw * mw);
-  const float square = cell.xx * cell.yy;
-  const float determinant = square - cell.xy * cell.xy;
-  cell.own = ww;
-  if (!(determinant > 1e-4F * square) || !(square > 0)) return false;
-  cell.a = (xw * cell.yy - yw * cell.xy) / determinant;
-  cell.b = (yw * cell.xx - xw * cell.xy) / determinant;
-  cell.own = std::max(0.0F, ww - cell.a * xw - cell.b * yw);
-  return true;
-}
-
 }  // namespace
-
-InverseNoise::InverseNoise(const StreamConfig& config) noexcept {
-  const double unit_m = static_cast<double>(config.camera.unit_pm) * 1e-12;
-  uniform_ = kIvOne * unit_m * kUnknownNoise;
-  if (config.lattice.present()) {
-    // Levels are finer than sigma where both are known, and what predictions are judged by.
-    uniform_ = kIvOne * 256.0 / config.lattice.c_q8;
-    // Unless sigma decides which points stay.
-    if (config.tolerance == ToleranceKind::kSurfaces &&
-        config.noise.kind == NoiseModel::Kind::kStereo) {
-      uniform_ = std::max(uniform_, kIvOne * unit_m * config.noise.s());
-    }
-  } else if (config.noise.kind == NoiseModel::Kind::kStereo && config.noise.s_e9 > 0) {
-    uniform_ = kIvOne * unit_m * config.noise.s();
-  } else if (config.noise.kind == NoiseModel::Kind::kTof && config.noise.s_e9 > 0) {
-    uniform_ = 0;
-    quadratic_ = config.noise.s() / (unit_m * kIvOne);
-  }
-}
 
 void CellGrid::layout(Arena& arena, std::uint32_t max_width, std::uint32_t max_height) noexcept {
   cells_ = arena.take<Cell>(std::size_t{(max_width + 7) / 8} * ((max_height + 7) / 8));
@@ -207,9 +160,9 @@ Status CellGrid::process(const StreamConfig& config, const RayTable& rays,
     return Status::kFrameTooLarge;
   }
   measure_cells(rays, depth, InverseNoise(config));
-  const auto noise = static_cast<float>(found_noise());
-  if (noise > 1) {
-    for (Cell& cell : cells_.first(std::size_t{wide_} * high_)) cell.variance *= noise;
+  noise_factor_ = static_cast<float>(found_noise());
+  if (noise_factor_ > 1) {
+    for (Cell& cell : cells_.first(std::size_t{wide_} * high_)) cell.variance *= noise_factor_;
   }
   return Status::kOk;
 }

@@ -7,29 +7,12 @@
 
 #include "core/base/arena.hpp"
 #include "core/base/status.hpp"
+#include "core/model/inverse_noise.hpp"
 #include "core/model/region_map.hpp"
 #include "core/model/stream_config.hpp"
 #include "core/sensor/ray_table.hpp"
 
 namespace planecast {
-
-/// Noise of an inverse depth: what one standard deviation (or, finer, one level of the sensor)
-/// is worth in steps of 2^-31 per count.
-class InverseNoise {
- public:
-  InverseNoise() noexcept = default;
-
-  /// Lattice and stereo: uniform; time of flight: sigma_z / z^2; unknown without lattice: 0.002 z^2
-  /// [m], as of a stereo camera.
-  explicit InverseNoise(const StreamConfig& config) noexcept;
-
-  /// Sigma at an inverse depth `iv` > 0.
-  double sigma(double iv) const noexcept { return uniform_ + quadratic_ * iv * iv; }
-
- private:
-  double uniform_ = 1;
-  double quadratic_ = 0;
-};
 
 /// Cells of one frame. One thread. Memory: 52 bytes a cell and 4 bytes a column.
 class CellGrid {
@@ -46,6 +29,8 @@ class CellGrid {
 
   std::uint32_t cells_wide() const noexcept { return wide_; }
   std::uint32_t cells_high() const noexcept { return high_; }
+  /// What the variances of the noise model were multiplied by in the last frame, at least 1.
+  float noise_factor() const noexcept { return noise_factor_; }
   std::span<const Cell> cells() const noexcept { return cells_.first(std::size_t{wide_} * high_); }
 
  private:
@@ -56,6 +41,7 @@ class CellGrid {
   std::span<Cell> cells_;
   std::span<float> columns_;  ///< of each column: its ray's x from its cell's fifth column
   std::uint32_t wide_ = 0, high_ = 0;
+  float noise_factor_ = 1;
 };
 
 }  // namespace planecast

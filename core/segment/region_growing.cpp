@@ -84,7 +84,8 @@ Status RegionGrowing::process(const CellGrid& grid, const GrowingOptions& option
       curved |= std::uint64_t{1} << region.final_label;
     }
   }
-  out = {grid.cells_wide(), grid.cells_high(), cells, labels_.first(cells.size()), regions, curved};
+  out = {grid.cells_wide(), grid.cells_high(), cells, labels_.first(cells.size()), regions, curved,
+         grid.noise_factor()};
   return Status::kOk;
 }
 

@@ -147,31 +147,6 @@ TEST(Consensus, SplitsARegionThatHoldsTwoPlanes) {
   EXPECT_NE(bench.regions.labels[15 * 40 + 2], bench.regions.labels[15 * 40 + 37]);
 }
 
-// Gives the left and the right half of the image a region each.
-void halve(RegionMap& regions) {
-  for (std::size_t i = 0; i < regions.labels.size(); ++i)
-    regions.labels[i] = i % regions.cells_wide < regions.cells_wide / 2 ? 1 : 2;
-  regions.regions = 2;
-}
-
-TEST(JoinPlanes, MakesOneRegionOfTwoPartsOfAWallAndLeavesACornerAlone) {
-  FitBench wall(fit_config(320, 240, ToleranceKind::kSurfaces));
-  ASSERT_EQ(wall.run(noisy_plane(wall.rays, 1e-4, -5e-5, 5e-4, 1, 5)), Status::kOk);
-  halve(wall.regions);
-  std::vector<RegionFit> fits(kMaxSurfaces);
-  fit_regions(wall.regions, fits);
-  EXPECT_EQ(join_planes(wall.regions, fits), 1);
-  EXPECT_EQ(wall.regions.labels.front(), wall.regions.labels.back());
-  EXPECT_LT(fits[wall.regions.labels.front() - 1U].residual, 2);
-
-  FitBench corner(fit_config(320, 240, ToleranceKind::kSurfaces));
-  ASSERT_EQ(corner.run(corner_of_two_walls(corner.rays)), Status::kOk);
-  halve(corner.regions);
-  fit_regions(corner.regions, fits);
-  EXPECT_EQ(join_planes(corner.regions, fits), 0);
-  EXPECT_NE(corner.regions.labels.front(), corner.regions.labels.back());
-}
-
 TEST(SurfaceQuantise, RoundingMovesNoPixelByMoreThanItsShareOfSigma) {
   Pcg32 random(3);
   const FitBench bench(fit_config(160, 120));

@@ -97,13 +97,21 @@ TEST(CurvedSurfaces, WinWhereALensBendsWalls) {
 
 TEST(CurvedSurfaces, CostAHundredthAtMostWhereThingsAreFlat) {
   if (kSanitized) GTEST_SKIP() << "figures do not depend on a sanitizer";
+  // In the surfaces contract another surface also holds other points, and bytes follow: frames of
+  // one camera may grow while those of all together do not.
+  Pair surfaces;
   for (const char* preset : {"realsense-d435", "azure-nfov", "kinect1", "kinect2"}) {
     for (const StreamCase& c : kContests) {
       const Pair pair = contest(sensor(preset), room_scene(), c);
       std::printf("%s, room, %s: %+.2f %%\n", preset, c.name, 100 * pair.growth());
-      EXPECT_LT(pair.growth(), 0.01) << preset << ", " << c.name;
+      const bool contract = c.tolerance == ToleranceKind::kSurfaces;
+      EXPECT_LT(pair.growth(), contract ? 0.03 : 0.01) << preset << ", " << c.name;
+      if (!contract) continue;
+      surfaces.planes += pair.planes;
+      surfaces.both += pair.both;
     }
   }
+  EXPECT_LT(surfaces.growth(), 0);
 }
 
 }  // namespace

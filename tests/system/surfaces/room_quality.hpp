@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/fit/surface_quantise.hpp"
+#include "core/model/inverse_noise.hpp"
 #include "core/pipeline/stages.hpp"
 #include "core/sim/surface_score.hpp"
 #include "core/wire/key_packet.hpp"
@@ -22,12 +23,16 @@ struct RoomQuality {
   double truth = 0, found = 0, matched = 0;
   double coefficients = 0, within = 0;  ///< of matched planes; within 3 sigma of their covariance
   double surfaces = 0, frames = 0;
+  /// True planes of those counted whose least-squares fit to their own readings has the right
+  /// normal: what noise leaves to any codec that fits each plane for itself.
+  double attainable = 0;
 
   double ratio_percent() const { return 100 * (1 - bytes / (12 * points_in)); }
   double out_share() const { return points_out / points_in; }
   double precision() const { return matched / found; }
   double recall() const { return matched / truth; }
   double within_share() const { return within / coefficients; }
+  double ceiling() const { return attainable / truth; }
 };
 
 /// The stages of one stream without the pipeline around them, so that a frame's surfaces can be
@@ -120,10 +125,9 @@ inline std::vector<FoundSurface> found_surfaces(const StageBench& bench) {
 /// standard deviations, as the fit states them, of the truth.
 inline void score_coefficients(const StageBench& bench, std::span<const TruthSurface> truth,
                                const SurfaceScore& score, double unit_m, RoomQuality& sum) {
-  const RegionMap& regions = bench.slot.regions;
-  std::vector<RegionFit> fits(kMaxSurfaces);
+  const RegionMap& regions = bench.fit.fitter().refined();
+  const std::span<const RegionFit> fits = bench.fit.fitter().fits();
   std::vector<PlaneSigmas> sigmas(kMaxSurfaces);
-  fit_regions(regions, fits);
   plane_sigmas(regions, fits, sigmas);
   const std::span<const Surface> found = bench.slot.surfaces.first(bench.slot.surface_count);
   for (std::size_t f = 0; f < found.size(); ++f) {
@@ -143,6 +147,45 @@ inline void score_coefficients(const StageBench& bench, std::span<const TruthSur
       break;
     }
   }
+}
+
+/// Of each true plane's readings, told by `ids`, the least-squares plane: how many of at least 500
+/// pixels are within two degrees of the truth. Faces that lie in one plane count as one.
+inline double attainable_planes(const StageBench& bench, std::span<const TruthSurface> truth,
+                                std::span<const std::uint16_t> ids,
+                                std::span<const std::uint16_t> depth) {
+  const RayTable& rays = bench.tables.rays();
+  const InverseNoise noise(bench.tables.config());
+  std::vector<PlaneSums> sums(truth.size());
+  std::vector<std::uint32_t> pixels(truth.size());
+  const auto same = [](const TruthSurface& a, const TruthSurface& b) {
+    const Vec3 off = a.normal - b.normal;
+    return a.kind == b.kind && dot(off, off) < 1e-12 && std::abs(a.distance - b.distance) < 1e-6;
+  };
+  std::vector<std::size_t> first(truth.size());
+  for (std::size_t t = 0; t < truth.size(); ++t) {
+    while (!same(truth[first[t]], truth[t])) ++first[t];
+  }
+  for (std::uint32_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] == 0) continue;
+    const std::uint32_t u = i % rays.width, v = i / rays.width;
+    const double x = rays.x(u, v) * 0x1p-27, y = rays.y(u, v) * 0x1p-27, w = 0x1p31 / depth[i];
+    const double weight = 1 / (noise.sigma(w) * noise.sigma(w));
+    PlaneSums one{1, x, y, x * x, x * y, y * y, w, x * w, y * w, w * w};
+    sums[first[ids[i] - 1U]].add(one, weight);
+    ++pixels[first[ids[i] - 1U]];
+  }
+  double out = 0;
+  for (std::size_t t = 0; t < truth.size(); ++t) {
+    FloatSurface plane;
+    if (truth[t].kind != TruthSurface::Kind::kPlane || pixels[t] < ScoreOptions{}.min_pixels ||
+        !sums[t].solve(plane)) {
+      continue;
+    }
+    const Vec3 normal = found_normal({plane.a, plane.b, plane.c}, 0, 0);
+    out += std::abs(dot(normal, truth[t].normal)) >= std::cos(2 * 3.14159265358979 / 180);
+  }
+  return out;
 }
 
 /// Codes and scores frames `first`, `first` + step, ... of one seed and adds to `sum`.
@@ -168,6 +211,8 @@ inline void score_room(const SimConfig& sim, std::uint64_t first, std::uint64_t 
     sum.bytes += static_cast<double>(bench->slot.report.bytes);
     sum.points_in += bench->slot.counts.input;
     sum.points_out += bench->slot.counts.kept;
+    if (min_width == 0)
+      sum.attainable += attainable_planes(*bench, simulator->surfaces(), ids, image.depth);
     sum.truth += score.truth;
     sum.found += score.found;
     sum.matched += score.matched;
