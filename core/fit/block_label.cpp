@@ -263,6 +263,10 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
   bool flat = false;
   for (int i = 0; i < candidates.count; ++i) {
     const std::uint8_t label = candidates.label[i];
+    // No surface misses less than nothing.
+    if (best.label != 0 &&
+        view.rows->share * without - label_bits(label, left, above) <= best_worth)
+      continue;
     const BlockSurface s =
         block_surface(surfaces[label - 1U], *tables.rays, *tables.levels, bx, by);
     const std::int32_t middle = std::clamp((s.at(4, 4) + 128) >> 8, 1, last);

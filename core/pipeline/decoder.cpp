@@ -236,13 +236,16 @@ Status Decoder::add_all(const SliceList& slices) noexcept {
 // is known again. Beyond 255, which no encoder sends, surfaces share the last number.
 void Decoder::number_surfaces(const TileContent& tile) noexcept {
   std::array<std::uint8_t, kMaxSurfaces + 1> number{};
+  bool moved = false;
   for (std::uint32_t i = 0; i < tile.surfaces; ++i) {
     std::uint32_t n = 0;
     while (n < counts_.surfaces && surfaces_[n] != tile.surface[i]) ++n;
     if (n == counts_.surfaces && n < surfaces_.size())
       surfaces_[counts_.surfaces++] = tile.surface[i];
     number[i + 1] = static_cast<std::uint8_t>(std::min<std::size_t>(n + 1, surfaces_.size()));
+    moved |= number[i + 1] != i + 1;
   }
+  if (!moved) return;  // as in a frame of one slice
   const CameraModel& camera = config().camera;
   const TileSpan span = tile_span(camera, tile.rect);
   for (std::uint32_t v = span.v0; v < span.v1; ++v) {

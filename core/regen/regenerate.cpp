@@ -1,6 +1,7 @@
 #include "core/regen/regenerate.hpp"
 
 #include <bit>
+#include <cstring>
 
 #include "core/sensor/z_grid.hpp"
 
@@ -48,11 +49,48 @@ struct Bands {
   Axes axes;
 };
 
+using Double4 = double __attribute__((vector_size(32)));
+
+// Four points of a row in optical axes, each coordinate cut to float once. A ray's unit is a power
+// of two: whichever factor takes it, the product is the same.
+void regenerate_four(const DepthScale& scale, const std::uint16_t* depth, Int4 x_ray, Int4 y_ray,
+                     Point3f* out) noexcept {
+  const Float4 z = scale.z4(depth);
+  const Double4 unit = {kRayUnit, kRayUnit, kRayUnit, kRayUnit};
+  const Double4 along = __builtin_convertvector(z, Double4) * unit;
+  Float4 x = __builtin_convertvector(__builtin_convertvector(x_ray, Double4) * along, Float4);
+  Float4 y = __builtin_convertvector(__builtin_convertvector(y_ray, Double4) * along, Float4);
+  Count4 counts;
+  std::memcpy(&counts, depth, sizeof counts);
+  const Int4 there = __builtin_convertvector(counts, Int4) != 0;
+  x = there ? x : all4(kHole);  // written out: which NaN arithmetic gives differs between machines
+  y = there ? y : all4(kHole);
+  const Float4 first = __builtin_shufflevector(x, y, 0, 4, 1, 5);  // x0 y0 x1 y1
+  const Float4 last = __builtin_shufflevector(x, y, 2, 6, 3, 7);
+  const Float4 z0_x1 = __builtin_shufflevector(z, first, 0, 6, 0, 6);
+  const Float4 y1_z1 = __builtin_shufflevector(first, z, 3, 5, 3, 5);
+  auto* const to = reinterpret_cast<float*>(out);
+  store4(to, __builtin_shufflevector(first, z0_x1, 0, 1, 4, 5));
+  store4(to + 4, __builtin_shufflevector(y1_z1, last, 0, 1, 4, 5));
+  store4(to + 8, __builtin_shufflevector(z, last, 2, 6, 7, 3));
+}
+
 void regenerate_rows(const Bands& all, std::uint32_t v0, std::uint32_t v1) noexcept {
   const auto& [rays, scale, depth, out, optical, axes] = all;
   std::size_t i = std::size_t{v0} * rays.width;
   for (std::uint32_t v = v0; v < v1; ++v) {
-    for (std::uint32_t u = 0; u < rays.width; ++u, ++i) {
+    std::uint32_t u = 0;
+    if (optical) {
+      const std::size_t row = std::size_t{v} * rays.width;
+      const std::int32_t* const x = rays.x_q27.data() + (rays.separable ? 0 : row);
+      const std::int32_t* const y = rays.y_q27.data() + (rays.separable ? v : row);
+      const Int4 same = Int4{*y, *y, *y, *y};
+      for (; u + 4 <= rays.width; u += 4, i += 4) {
+        regenerate_four(scale, &depth[i], load4(x + u), rays.separable ? same : load4(y + u),
+                        &out[i]);
+      }
+    }
+    for (; u < rays.width; ++u, ++i) {
       if (depth[i] == 0) {  // written out: which NaN arithmetic gives differs between machines
         out[i] = {kHole, kHole, kHole};
         continue;

@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::int32_t kAnything = std::int32_t{1} << 28;
 constexpr std::int32_t kMostSteps = (std::int32_t{1} << (kPlaneLengths - 1)) - 1;
+// Levels around `base` within which sums of four fit 16 bits, eight times as much for a hole's.
+constexpr std::int32_t kComparable = 1000;
 // Levels around `base` of a narrow window, and how far a plane may be from it, in 1/256 level:
 // their differences fit 16 bits.
 constexpr std::int32_t kNarrow = 62, kNear = 16383;
@@ -70,9 +72,11 @@ Shifts near_shifts(const FlatWindow& window, const NearSurface& at) noexcept {
   return {most8(least), least8(most)};
 }
 
-Shifts far_shifts(const FlatWindow& window, const BlockSurface& at) noexcept {
+// Any surface, reading by reading. Ends early where least is above most by more than `hopeless`.
+Shifts far_shifts(const FlatWindow& window, const BlockSurface& at,
+                  std::int32_t hopeless) noexcept {
   Shifts out{-kAnything, kAnything};
-  for (std::int32_t i = 0; i < 64; ++i) {
+  for (std::int32_t i = 0; i < 64 && out.least - out.most <= hopeless; ++i) {
     if (window.high[i] == 0) continue;
     const std::int32_t q = at.at_origin + i % 8 * at.dx + i / 8 * at.dy;
     out.least = std::max(out.least, window.low[i] * 256 - 128 - q);
@@ -81,10 +85,44 @@ Shifts far_shifts(const FlatWindow& window, const BlockSurface& at) noexcept {
   return out;
 }
 
-Shifts allowed_shifts(const FlatWindow& window, const BlockSurface& surface) noexcept {
+Shifts allowed_shifts(const FlatWindow& window, const BlockSurface& surface,
+                      std::int32_t hopeless) noexcept {
   const NearSurface at(window, surface);
-  if (!at.near) return far_shifts(window, surface);
+  if (!at.near) return far_shifts(window, surface, hopeless);
   return window.readings == 64 ? near_shifts<false>(window, at) : near_shifts<true>(window, at);
+}
+
+// True when three readings on a line, three pixels apart, allow no plane at all: over an edge, for
+// one. Costs as much as trying one plane. Only windows of some range are told.
+bool bent(const FlatWindow& window) noexcept {
+  if (!window.comparable) return false;
+  // Levels from base; a hole allows whatever the other two do.
+  Short8 low[8], high[8];
+  const Short8 base = all8(static_cast<std::int16_t>(window.base));
+  for (int y = 0; y < 8; ++y) {
+    const auto h = reinterpret_cast<Short8>(load8(window.high + 8 * y));
+    const auto l = reinterpret_cast<Short8>(load8(window.low + 8 * y));
+    const Short8 hole = h == Short8{};
+    low[y] = ((l - base) & ~hole) | (hole & all8(-8 * kComparable));
+    high[y] = ((h - base) & ~hole) | (hole & all8(8 * kComparable));
+  }
+  const Short8 none = {};
+  Short8 most = {};
+  const auto line = [&](Short8 l0, Short8 h0, Short8 l3, Short8 h3, Short8 l6, Short8 h6) {
+    most = max8(most, max8(l0 + l6 - h3 - h3, l3 + l3 - h0 - h6));
+  };
+  for (int y = 0; y < 8; ++y) {
+    const Short8 l = low[y], h = high[y];
+    line(l, h, __builtin_shufflevector(l, none, 3, 4, 5, 6, 7, 8, 8, 8),
+         __builtin_shufflevector(h, none, 3, 4, 5, 6, 7, 8, 8, 8),
+         __builtin_shufflevector(l, none, 6, 7, 8, 8, 8, 8, 8, 8),
+         __builtin_shufflevector(h, none, 6, 7, 8, 8, 8, 8, 8, 8));
+  }
+  most &= Short8{-1, -1};  // two lines a row
+  for (int y = 0; y < 2; ++y)
+    line(low[y], high[y], low[y + 3], high[y + 3], low[y + 6], high[y + 6]);
+  // Levels stand for what rounds to them: half a level to either side of all three.
+  return most8(most) >= 2;
 }
 
 // Slopes of the least-squares plane through what is left of the middles of what the readings allow
@@ -191,8 +229,9 @@ void FlatWindow::prepare() noexcept {
   const std::int32_t bottom = least8(least), top = most8(most);
   narrow = !wide && top - bottom <= 2 * kNarrow - 2;
   empty &= !wide;  // of levels beyond 32767 the signs say nothing
-  if (!narrow) return;
+  comparable = !wide && top - bottom <= 2 * kComparable - 2;
   base = (bottom + top) / 2;
+  if (!narrow) return;
   const Short8 from = all8(static_cast<std::int16_t>(base));
   for (int y = 0; y < 8; ++y) {
     const auto l = reinterpret_cast<Short8>(load8(low + 8 * y));
@@ -223,11 +262,13 @@ void load_window(const LevelWindow* windows, const std::uint16_t* depth, std::ui
 
 bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
               std::int32_t last_level, FlatCode& code) noexcept {
+  // Slopes a step off move a corner by 7 steps' worth at most: what is far from fitting never will.
+  const std::int32_t hopeless = 7 * steps.slope + steps.offset;
   const auto attempt = [&](std::int32_t dx, std::int32_t dy, std::int32_t& gap) {
     if (std::abs(dx) > kMostSteps || std::abs(dy) > kMostSteps) return false;
     const BlockPlane tilted = BlockPlane::clamped(foretold.middle, foretold.dx + dx * steps.slope,
                                                   foretold.dy + dy * steps.slope, last_level);
-    const Shifts shifts = allowed_shifts(window, tilted.surface());
+    const Shifts shifts = allowed_shifts(window, tilted.surface(), hopeless);
     gap = shifts.least - shifts.most;
     const std::int32_t first = -floor_div(-shifts.least, steps.offset);
     const std::int32_t last = floor_div(shifts.most, steps.offset);
@@ -241,6 +282,7 @@ bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneS
   std::int32_t gap = 0;
   if (window.empty) return false;
   if (attempt(0, 0, gap)) return true;
+  if (bent(window)) return false;
   const Slopes slopes = residual_slopes(window, foretold.surface());
   const std::int32_t dx = round_div(slopes.dx, steps.slope);
   const std::int32_t dy = round_div(slopes.dy, steps.slope);
@@ -248,8 +290,7 @@ bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneS
     if (attempt(dx, 0, gap) || attempt(0, dy, gap)) return true;
   }
   if (attempt(dx, dy, gap)) return true;
-  // Slopes a step off move a corner by 7 steps' worth at most: what is far from fitting never will.
-  if (gap > 7 * steps.slope + steps.offset) return false;
+  if (gap > hopeless) return false;
   constexpr std::int32_t kAround[8][2] = {{1, 0}, {-1, 0},  {0, 1},  {0, -1},
                                           {1, 1}, {-1, -1}, {1, -1}, {-1, 1}};
   for (const auto& [ox, oy] : kAround) {

@@ -25,7 +25,8 @@ struct FlatWindow {
   std::int32_t base = 0;  ///< level
   std::int32_t readings = 0;
   bool narrow = false;
-  bool empty = false;  ///< some reading allows no level: it lies off the levels
+  bool comparable = false;  ///< ... or of a range that 16 bits hold at least in levels
+  bool empty = false;       ///< some reading allows no level: it lies off the levels
 };
 
 /// Steps from the foretold plane.
