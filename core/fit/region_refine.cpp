@@ -126,16 +126,14 @@ void RegionRefiner::fit(std::span<RegionFit> fits) const noexcept {
     solve(all[k], is_curved(map_, static_cast<unsigned>(k)), fits[k - 1]);
 }
 
-// A cell of a region with none but its own around.
+// A cell with none but its own label around, which may be none.
 bool RegionRefiner::is_inside(std::uint32_t x, std::uint32_t y) const noexcept {
   const std::uint32_t wide = map_.cells_wide;
   if (x == 0 || y == 0 || x + 1 == wide || y + 1 == map_.cells_high) return false;
   const std::uint8_t* here = &labels_[std::size_t{y} * wide + x];
-  const std::uint32_t three = *here * 0x010101U;
   const auto row = [](const std::uint8_t* at) { return at[-1] | at[0] << 8 | at[1] << 16; };
-  return *here != 0 && static_cast<std::uint32_t>(row(here - wide)) == three &&
-         static_cast<std::uint32_t>(row(here)) == three &&
-         static_cast<std::uint32_t>(row(here + wide)) == three;
+  const int three = *here * 0x010101;
+  return row(here - wide) == three && row(here) == three && row(here + wide) == three;
 }
 
 // Gives every cell the label that fits it and its neighbours best.
@@ -144,12 +142,13 @@ void RegionRefiner::settle(std::span<const RegionFit> fits) noexcept {
     for (std::uint32_t x = 0; x < map_.cells_wide; ++x) {
       const std::size_t i = std::size_t{y} * map_.cells_wide + x;
       if (!cells_[i].usable) continue;
-      if (is_inside(x, y)) {
-        // Nothing else is on offer.
+      if (!is_inside(x, y)) {
+        labels_[i] = best_label(x, y, fits);
+      } else if (labels_[i] != 0) {  // nothing else is on offer
         const RegionFit& fit = fits[labels_[i] - 1U];
-        if (fit.valid && cell_residual(cells_[i], fit.surface) < kMostResidual) continue;
+        const bool holds = fit.valid && cell_residual(cells_[i], fit.surface) < kMostResidual;
+        if (!holds) labels_[i] = 0;
       }
-      labels_[i] = best_label(x, y, fits);
     }
   }
 }
