@@ -125,8 +125,7 @@ bool bent(const FlatWindow& window) noexcept {
   return most8(most) >= 2;
 }
 
-// Slopes of the least-squares plane through what is left of the middles of what the readings allow
-// beside `at`, 1/256 level.
+// Slopes of the least-squares plane through what is left of the readings beside `at`, 1/256 level.
 struct Slopes {
   std::int32_t dx, dy;
 };
@@ -137,13 +136,12 @@ Slopes slopes_of(std::int32_t along, std::int32_t down) noexcept {
 }
 
 Slopes near_slopes(const FlatWindow& window, const NearSurface& at) noexcept {
-  const Short8 half = all8(128);
+  const Short8 half = all8(128), base = all8(static_cast<std::int16_t>(window.base));
   Short8 left[8], there[8], sums = {};
   for (int y = 0; y < 8; ++y) {
-    const Short8 middle =
-        (load8(window.low_q8 + 8 * y) + load8(window.high_q8 + 8 * y) + all8(256)) >> 9;
+    const Short8 own = reinterpret_cast<Short8>(load8(window.own + 8 * y)) - base;
     there[y] = reinterpret_cast<Short8>(load8(window.high + 8 * y) != Count8{});
-    left[y] = (middle - ((at.row(y) + half) >> 8)) & there[y];
+    left[y] = (own - ((at.row(y) + half) >> 8)) & there[y];
     sums += left[y];
   }
   const auto sum_of = [](Short8 a) {
@@ -168,7 +166,7 @@ Slopes far_slopes(const FlatWindow& window, const BlockSurface& at) noexcept {
   for (std::int32_t i = 0; i < 64; ++i) {
     if (window.high[i] == 0) continue;
     const std::int32_t q = at.at_origin + i % 8 * at.dx + i / 8 * at.dy;
-    left[i] = ((window.low[i] + window.high[i]) >> 1) - ((q + 128) >> 8);
+    left[i] = window.own[i] - ((q + 128) >> 8);
     sum += left[i];
   }
   const std::int32_t mean = sum / std::max(window.readings, 1);
@@ -241,11 +239,20 @@ void FlatWindow::prepare() noexcept {
   }
 }
 
-void load_window(const LevelWindow* windows, const std::uint16_t* depth, std::uint32_t width,
-                 std::uint32_t columns, std::uint32_t rows, FlatWindow& window) noexcept {
+void FlatWindow::find_own() noexcept {
+  if (levels == nullptr) return;
+  for (int i = 0; i < 64; ++i) own[i] = levels->nearest(depth[i]);
+  levels = nullptr;
+}
+
+void load_window(const LevelTable& levels, const LevelWindow* windows, const std::uint16_t* depth,
+                 std::uint32_t width, std::uint32_t columns, std::uint32_t rows,
+                 FlatWindow& window) noexcept {
+  window.levels = &levels;
   if (columns == 8 && rows == 8) {
     for (std::size_t y = 0; y < 8; ++y) {
       const EightWindows row = load_windows(windows, depth + y * width);
+      store8(window.depth + 8 * y, load8(depth + y * width));
       store8(window.low + 8 * y, reinterpret_cast<Count8>(row.low));
       store8(window.high + 8 * y, reinterpret_cast<Count8>(row.high));
     }
@@ -253,6 +260,7 @@ void load_window(const LevelWindow* windows, const std::uint16_t* depth, std::ui
     for (std::uint32_t i = 0; i < 64; ++i) {
       const std::uint32_t x = i % 8, y = i / 8;
       const std::uint16_t d = x < columns && y < rows ? depth[std::size_t{y} * width + x] : 0;
+      window.depth[i] = d;
       window.low[i] = windows[d].low;
       window.high[i] = windows[d].high;
     }
@@ -260,7 +268,7 @@ void load_window(const LevelWindow* windows, const std::uint16_t* depth, std::ui
   window.prepare();
 }
 
-bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
+bool fit_flat(FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
               std::int32_t last_level, FlatCode& code) noexcept {
   // Slopes a step off move a corner by 7 steps' worth at most: what is far from fitting never will.
   const std::int32_t hopeless = 7 * steps.slope + steps.offset;
@@ -283,6 +291,7 @@ bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneS
   if (window.empty) return false;
   if (attempt(0, 0, gap)) return true;
   if (bent(window)) return false;
+  window.find_own();
   const Slopes slopes = residual_slopes(window, foretold.surface());
   const std::int32_t dx = round_div(slopes.dx, steps.slope);
   const std::int32_t dy = round_div(slopes.dy, steps.slope);

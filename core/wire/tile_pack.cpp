@@ -174,7 +174,7 @@ void TilePacker::try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept
   const BlockPlane foretold = foretell_plane(hints, half_widths, job.last_level);
   const PlaneSteps steps(half_widths[(foretold.middle + 128) >> 8]);
   FlatWindow window;
-  load_window(bounds.windows(ray_class),
+  load_window(*job.tables.levels, bounds.windows(ray_class),
               &job.frame.depth[std::size_t{by} * 8 * job.width() + bx * 8], job.width(),
               std::min(8U, job.span.u1 - bx * 8), std::min(8U, job.span.v1 - by * 8), window);
   FlatChoice& flat = flats_[i];
