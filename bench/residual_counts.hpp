@@ -23,6 +23,7 @@ class ResidualCounts {
     const CameraModel& camera = tables.config->camera;
     const TileSpan span = tile_span(camera, content.rect);
     fallback_ = 0;
+    tiles_.push_back({.every_count = tables.levels->every_count(), .seen = {}});
     for (std::uint32_t v = span.v0; v < span.v1; ++v) {
       for (std::uint32_t i = 0; i < content.rect.bw; ++i) {
         const std::uint32_t u0 = span.u0 + 8 * i, u1 = std::min(u0 + 8, span.u1);
@@ -46,31 +47,79 @@ class ResidualCounts {
     for (std::size_t i = 0; i < input_.size(); ++i) {
       double seen = 0;
       for (const double c : input_[i]) seen += c;
-      for (std::size_t s = 0; seen > 0 && s < 16; ++s)
-        all_[i][s] += input_[i][s] * std::min(seen, kMostOfAnInput) / seen;
+      for (std::size_t s = 0; seen > 0 && s < 16; ++s) {
+        const double counts = input_[i][s] * std::min(seen, kMostOfAnInput) / seen;
+        all_[1][i][s] += counts;
+        if (!tiles_.back().every_count) all_[0][i][s] += counts;
+      }
       input_[i] = {};
     }
   }
 
-  /// The mean of context `i`, drawn a little to an even distribution; old enough to be kept where
-  /// it is known.
-  SymbolModel start(std::size_t i) const {
+  /// Starts of a set: of sensors on a lattice what those said, of all others what all said.
+  std::vector<SymbolModel> starts(bool every_count) const {
+    std::vector<SymbolModel> models;
+    for (const Counts& counts : all_[every_count ? 1 : 0]) models.push_back(start(counts));
+    choose_ages(every_count, models);
+    return models;
+  }
+
+ private:
+  using Counts = std::array<double, 16>;
+  static constexpr double kMostOfAnInput = 500;
+  static constexpr int kModels = kShapeContexts + kErrorContexts;
+  static constexpr std::array<std::int16_t, 6> kAges = {2, 6, 12, 16, 20, 24};
+
+  struct Seen {
+    std::uint16_t model[2];  ///< of the shape, and kShapeContexts + that of errors
+    std::uint8_t symbol;
+  };
+  struct Tile {
+    bool every_count;
+    std::vector<Seen> seen;
+  };
+
+  // The mean of a context, drawn a little to an even distribution.
+  static SymbolModel start(const Counts& counts) {
     constexpr double kEven = 0.3, kKnown = 20;
     double seen = 0, below = 0;
-    for (const double c : all_[i]) seen += c;
+    for (const double c : counts) seen += c;
+    if (seen < kKnown) return {};
     SymbolModel out;
-    out.bounds[0] = static_cast<std::int16_t>(seen < kKnown ? 0 : 12);
+    out.bounds[0] = kAges[2];
     for (std::size_t s = 1; s < 16; ++s) {
-      below += (all_[i][s - 1] + kEven) / (seen + 16 * kEven);
+      below += (counts[s - 1] + kEven) / (seen + 16 * kEven);
       const long floor_of_all = 8 * static_cast<long>(s);  // every symbol keeps 8 of 32768
       out.bounds[s] = static_cast<std::int16_t>(std::lround(below * (32768 - 128)) + floor_of_all);
     }
     return out;
   }
 
- private:
-  using Counts = std::array<double, 16>;
-  static constexpr double kMostOfAnInput = 500;
+  // Gives every known start the age with which it costs the tiles least: the older, the longer it
+  // is kept.
+  void choose_ages(bool every_count, std::vector<SymbolModel>& starts) const {
+    std::vector<std::array<double, kAges.size()>> bits(starts.size());
+    std::vector<SymbolModel> models;
+    for (std::size_t a = 0; a < kAges.size(); ++a) {
+      for (SymbolModel& m : starts) m.bounds[0] = m.bounds[0] != 0 ? kAges[a] : std::int16_t{0};
+      for (const Tile& tile : tiles_) {
+        if (tile.every_count && !every_count) continue;
+        models = starts;
+        for (const Seen& seen : tile.seen) {
+          for (const std::uint16_t i : seen.model) {
+            SymbolModel& m = models[i];
+            bits[i][a] -= std::log2((m.high(seen.symbol) - m.low(seen.symbol)) / 32768.0);
+            m.update(seen.symbol);
+          }
+        }
+      }
+    }
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      const auto least = std::min_element(bits[i].begin(), bits[i].end());
+      if (starts[i].bounds[0] != 0)
+        starts[i].bounds[0] = kAges[static_cast<std::size_t>(least - bits[i].begin())];
+    }
+  }
 
   static std::uint8_t label_of(const CameraModel& camera, std::span<const std::uint8_t> labels,
                                std::uint32_t u0, std::uint32_t u1, std::uint32_t v0,
@@ -89,19 +138,27 @@ class ResidualCounts {
     if (depth == 0) return row.set_hole(around.at);
     const std::int32_t level = levels.nearest(depth);
     // The first reading of a tile is its own fallback.
-    const PixelPrediction p = predict_pixel(around, place, fallback_ != 0 ? fallback_ : level);
-    const ResidualContext context = residual_context(around, p.level);
+    const LosslessPrediction p =
+        predict_lossless(around, place, fallback_ != 0 ? fallback_ : level, levels.every_count());
+    const ResidualContext context = residual_context(around, p);
     const std::int32_t residual = ((level - p.level) ^ context.turned) - context.turned;
     const bool near =
         std::abs(residual) <= kMostNear && levels.depth(static_cast<std::uint32_t>(level)) == depth;
-    ++input_[context.model][near ? residual_symbol(residual).symbol : kFarSymbol];
+    const Seen seen{
+        {static_cast<std::uint16_t>(context.shape),
+         static_cast<std::uint16_t>(kShapeContexts + errors_context(around, p, context))},
+        near ? residual_symbol(residual).symbol : std::uint8_t{kFarSymbol}};
+    for (const std::uint16_t i : seen.model) ++input_[i][seen.symbol];
+    tiles_.back().seen.push_back(seen);
     keep_residual(row, around.at, p, level);
     fallback_ = level;
   }
 
   std::vector<PixelRow> rows_ = std::vector<PixelRow>(3);
-  std::vector<Counts> input_ = std::vector<Counts>(kResidualContexts);
-  std::vector<Counts> all_ = std::vector<Counts>(kResidualContexts);
+  std::vector<Counts> input_ = std::vector<Counts>(kModels);
+  std::array<std::vector<Counts>, 2> all_ = {std::vector<Counts>(kModels),
+                                             std::vector<Counts>(kModels)};
+  std::vector<Tile> tiles_;
   std::int32_t fallback_ = 0;
 };
 

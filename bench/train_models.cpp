@@ -51,11 +51,17 @@ int main(int argc, char** argv) {
   run.end_input = [&] { learnt.residuals.end_input(); };
   if (const int code = bench::train_depth(argv[1], run); code != 0) return code;
   if (what == "residuals") {
-    for (std::size_t i = 0; i < kResidualContexts; ++i) {
-      const SymbolModel start = learnt.residuals.start(i);
-      fmt::print("    {{{{{}", start.bounds[0]);
-      for (int s = 1; s < 16; ++s) fmt::print(", {}", start.bounds[s]);
-      fmt::print("}}}},\n");
+    for (const bool every_count : {false, true}) {
+      const std::vector<SymbolModel> starts = learnt.residuals.starts(every_count);
+      for (std::size_t i = 0; i < starts.size(); ++i) {
+        fmt::print("{}", i == 0 ? "    {{" : (i == kShapeContexts ? "     {" : "      "));
+        const std::int16_t* bounds = starts[i].bounds;
+        if (bounds[0] != 0) fmt::print("{{{{{}}}}}", fmt::join(bounds, bounds + 16, ", "));
+        fmt::print("{}{}\n", bounds[0] == 0 ? "{}" : "",  // nothing is known
+                   i + 1 == starts.size()    ? "}},"
+                   : i + 1 == kShapeContexts ? "},"
+                                             : ",");
+      }
     }
     return 0;
   }

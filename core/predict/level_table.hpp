@@ -34,6 +34,9 @@ class LevelTable {
   /// Levels in use, including level 0: 2 .. 65536.
   std::uint32_t count() const noexcept { return count_; }
 
+  /// The sensor has no lattice: every count is a level.
+  bool every_count() const noexcept { return lattice_.c_q8 == 0; }
+
   /// Depth count of a level below count().
   std::uint16_t depth(std::uint32_t level) const noexcept { return depth_[level]; }
 

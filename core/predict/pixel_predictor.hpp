@@ -165,12 +165,12 @@ inline std::int32_t lesser(std::int32_t a, std::int32_t b) noexcept {
 
 }  // namespace detail
 
-/// Predicts a pixel. `fallback`: level of the pixel coded last in the tile.
-[[gnu::always_inline]] inline PixelPrediction predict_pixel(const Neighbourhood& n,
-                                                            const PixelPlace& place,
-                                                            std::int32_t fallback) noexcept {
+/// Predicts a pixel of which its neighbours alone say `neighbour`.
+[[gnu::always_inline]] inline PixelPrediction predict_from(const Neighbourhood& n,
+                                                           const PixelPlace& place,
+                                                           std::int32_t neighbour) noexcept {
   PixelPrediction out;
-  out.neighbour = detail::neighbour_prediction(n, fallback);
+  out.neighbour = neighbour;
   out.surface = out.neighbour;
   if (place.has_surface) {
     const std::int32_t at_q8 = place.surface_q8 + detail::surface_drift_q8(n, place);
@@ -184,6 +184,13 @@ inline std::int32_t lesser(std::int32_t a, std::int32_t b) noexcept {
   out.level = out.neighbour ^ ((out.surface ^ out.neighbour) & -std::int32_t{out.by_surface});
   out.half_width = place.half_widths[out.level];
   return out;
+}
+
+/// Predicts a pixel. `fallback`: level of the pixel coded last in the tile.
+[[gnu::always_inline]] inline PixelPrediction predict_pixel(const Neighbourhood& n,
+                                                            const PixelPlace& place,
+                                                            std::int32_t fallback) noexcept {
+  return predict_from(n, place, detail::neighbour_prediction(n, fallback));
 }
 
 /// Class of the neighbours' differences, apart for the two predictions: 0..2 kActivityClasses - 1.

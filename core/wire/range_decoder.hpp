@@ -40,8 +40,9 @@ class RangeDecoder {
     return value;
   }
 
-  /// One of sixteen symbols.
-  int symbol(SymbolModel& model) noexcept {
+  /// One of sixteen symbols, by a SymbolModel or a SymbolPair.
+  template <class Model>
+  int symbol(Model&& model) noexcept {
     const std::uint64_t part = range_ >> detail::kSymbolTotalBits;
     const std::uint64_t value = std::min<std::uint64_t>(code_ / part, 32767);
     const int found = model.find(static_cast<std::int32_t>(value));

@@ -35,8 +35,9 @@ class RangeEncoder {
     if (range_ < kLeastRange) shift();
   }
 
-  /// One of sixteen symbols.
-  void symbol(SymbolModel& model, int value) noexcept {
+  /// One of sixteen symbols, by a SymbolModel or a SymbolPair.
+  template <class Model>
+  void symbol(Model&& model, int value) noexcept {
     const std::uint32_t low = model.low(value), high = model.high(value);
     range_ >>= detail::kSymbolTotalBits;
     add(low * range_);

@@ -7,10 +7,12 @@
 namespace planecast {
 
 struct ResidualModels {
-  SymbolModel of[kResidualContexts];
+  SymbolModel shape[kShapeContexts];
+  SymbolModel errors[kErrorContexts];  ///< used where a sensor says every count
 };
 
-/// Models at the start of a lossless tile: trained constants.
-const ResidualModels& trained_residuals() noexcept;
+/// Models at the start of a lossless tile: trained constants, one set for sensors whose levels lie
+/// on a lattice and one for those that say every count.
+const ResidualModels& trained_residuals(bool every_count) noexcept;
 
 }  // namespace planecast

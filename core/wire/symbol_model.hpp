@@ -99,4 +99,38 @@ struct SymbolModel {
   }
 };
 
+/// Two contexts of one symbol: its probabilities are the mean of theirs, rounded up, and both
+/// learn. Refers to its models.
+class SymbolPair {
+ public:
+  SymbolPair(SymbolModel& first, SymbolModel& second) noexcept : first_(first), second_(second) {}
+
+  std::uint32_t low(int symbol) const noexcept {
+    return (first_.low(symbol) + second_.low(symbol) + 1) >> 1U;
+  }
+  std::uint32_t high(int symbol) const noexcept {
+    return (first_.high(symbol) + second_.high(symbol) + 1) >> 1U;
+  }
+  int find(std::int32_t value) const noexcept {
+    const auto v = static_cast<std::int16_t>(value);
+    const Lane8 all = {v, v, v, v, v, v, v, v};
+    Lane8 low8 = mean(0);
+    low8[0] = 0;  // the ages are no bound
+    return detail::leading_lanes(low8 <= all, mean(8) <= all) - 1;
+  }
+  void update(int symbol) noexcept {
+    first_.update(symbol);
+    second_.update(symbol);
+  }
+
+ private:
+  Lane8 mean(int at) const noexcept {
+    const Lane8 a = detail::load8(first_.bounds + at), b = detail::load8(second_.bounds + at);
+    return (a | b) - ((a ^ b) >> 1);
+  }
+
+  SymbolModel& first_;
+  SymbolModel& second_;
+};
+
 }  // namespace planecast

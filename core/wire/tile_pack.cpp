@@ -53,6 +53,7 @@ void TilePacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   const std::uint32_t blocks = std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks);
   rows_ = arena.take<PixelRow>(3);
   tokens_ = arena.take<Token>(std::size_t{blocks} * 64);
+  found_ = arena.take<Residual>(std::size_t{blocks} * 64);
   jumps_ = arena.take<Jump>(std::size_t{blocks} * 64);
   blocks_ = arena.take<BlockState>(2 * std::size_t{blocks});
   planes_ = arena.take<BlockPlane>(2 * std::size_t{blocks});
@@ -84,7 +85,7 @@ Status TilePacker::pack_plain(const CodingTables& tables, const FrameModel& fram
   // Counts as they are set the upper limit of what a tile may cost.
   RangeEncoder coder(out.first(std::min(out.size(), verbatim_bytes(job.span))));
   models_ = trained_models(tables.bounds->lossless());
-  if (tables.bounds->lossless()) residuals_ = trained_residuals();
+  if (tables.bounds->lossless()) residuals_ = trained_residuals(tables.levels->every_count());
   jumps_in_ = jumps_out_ = 0;
   code_head(job, coder);
   clear_rows(rows_, rect.bw);
@@ -210,7 +211,12 @@ void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
     segment.place = PixelPlace(bounds.half_widths(ray_class), job.last_level);
     if (blocks[i].label.first != 0) segment.place.lie_on(surfaces_[i], tile_v % 8);
     if (job.tables.bounds->lossless()) {
-      quantise_residuals(job, rows, segment);
+      Residual* const residuals = found_.data() + std::size_t{tile_v % 8} * job.rect.bw * 8;
+      if (job.tables.levels->every_count()) {
+        quantise_residuals<true>(job, rows, segment, residuals);
+      } else {
+        quantise_residuals<false>(job, rows, segment, residuals);
+      }
     } else if (job.surfaces_kind && segment.place.has_surface) {
       quantise_segment<true>(job, rows, segment);
     } else {

@@ -42,6 +42,28 @@ class TilePacker {
     std::uint8_t choice_context = 0;
     PixelKind kind = PixelKind::kHole;
   };
+  /// What is to be coded of one pixel of a lossless tile, in one word: a store in parts would stall
+  /// the load of the whole.
+  struct Residual {
+    std::uint64_t word = 0;
+    Residual() = default;
+    Residual(std::uint32_t shape, std::uint32_t errors, ResidualSymbol coded,
+             std::uint8_t mask) noexcept
+        : word(errors | shape << 16U | std::uint64_t{coded.symbol} << 32U |
+               std::uint64_t{coded.extra} << 40U | std::uint64_t{mask} << 48U | kReading) {}
+    /// A hole.
+    explicit Residual(std::uint8_t mask) noexcept : word(std::uint64_t{mask} << 48U) {}
+
+    std::uint32_t errors() const noexcept { return word & 0xffffU; }
+    std::uint32_t shape() const noexcept { return (word >> 16U) & 0xffffU; }
+    int symbol() const noexcept { return static_cast<int>((word >> 32U) & 0xffU); }
+    std::uint32_t extra() const noexcept { return (word >> 40U) & 0xffU; }
+    std::uint32_t mask() const noexcept { return (word >> 48U) & 0xffU; }
+    bool reading() const noexcept { return (word & kReading) != 0; }
+
+   private:
+    static constexpr std::uint64_t kReading = std::uint64_t{1} << 56U;
+  };
   /// Where a correction is too far for steps; in coding order.
   struct Jump {
     std::int32_t levels = 0;  ///< 0: the count itself follows
@@ -75,14 +97,18 @@ class TilePacker {
   void code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const Token& token) noexcept;
   void code_correction(RangeEncoder& coder, const Token& token) noexcept;
-  void quantise_residuals(Job& job, TileRows rows, const Segment& segment) noexcept;
-  void code_residuals(RangeEncoder& coder, const BlockState& block, const Token* tokens,
+  template <bool kEveryCount>
+  void quantise_residuals(Job& job, TileRows rows, const Segment& segment,
+                          Residual* residuals) noexcept;
+  template <bool kEveryCount>
+  void code_residuals(RangeEncoder& coder, const BlockState& block, const Residual* residuals,
                       std::uint32_t count) noexcept;
   void code_jump(RangeEncoder& coder, const Jump& jump) noexcept;
 
-  std::span<PixelRow> rows_;  ///< three rows with borders
-  std::span<Token> tokens_;   ///< eight rows
-  std::span<Jump> jumps_;     ///< of a block row
+  std::span<PixelRow> rows_;   ///< three rows with borders
+  std::span<Token> tokens_;    ///< eight rows
+  std::span<Residual> found_;  ///< eight rows of a lossless tile
+  std::span<Jump> jumps_;      ///< of a block row
   std::uint32_t jumps_in_ = 0, jumps_out_ = 0;
   std::span<BlockState> blocks_;      ///< two block rows
   std::span<BlockPlane> planes_;      ///< of flat blocks, beside blocks_

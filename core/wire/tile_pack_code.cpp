@@ -104,6 +104,7 @@ void TilePacker::code_block_row(Job& job, RangeEncoder& shared, std::uint32_t ro
   const std::uint32_t rows = std::min(begin + 8, job.span.v1) - begin;
   const std::uint32_t columns = job.span.u1 - job.span.u0;
   const bool lossless = job.tables.bounds->lossless();
+  const bool every_count = job.tables.levels->every_count();
   for (std::uint32_t y = 0; y < rows; ++y) {
     const Token* tokens = tokens_.data() + std::size_t{y} * job.rect.bw * 8;
     for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
@@ -111,7 +112,13 @@ void TilePacker::code_block_row(Job& job, RangeEncoder& shared, std::uint32_t ro
       // Nothing to say of most pixels.
       const bool mixed = job.surfaces_kind && block.label.first != 0 && block.uniform == 0;
       if (lossless && block.any != 0) {
-        code_residuals(coder, block, tokens + i * 8, std::min(8U, columns - i * 8));
+        const Residual* found = found_.data() + (std::size_t{y} * job.rect.bw + i) * 8;
+        const std::uint32_t count = std::min(8U, columns - i * 8);
+        if (every_count) {
+          code_residuals<true>(coder, block, found, count);
+        } else {
+          code_residuals<false>(coder, block, found, count);
+        }
         continue;
       }
       if (block.any == 0 || (block.full != 0 && block.corrected == 0 && !mixed)) continue;

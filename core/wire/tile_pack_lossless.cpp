@@ -7,14 +7,13 @@
 
 namespace planecast {
 
-// A token's correction is the residual's symbol, its sign_context the bits after it.
-void TilePacker::quantise_residuals(Job& job, const TileRows rows,
-                                    const Segment& segment) noexcept {
+template <bool kEveryCount>
+void TilePacker::quantise_residuals(Job& job, const TileRows rows, const Segment& segment,
+                                    Residual* const residuals) noexcept {
   PixelPlace place = segment.place;
   const bool full = segment.block.full != 0;
   const LevelTable levels = *job.tables.levels;
   const std::uint16_t* const depths = segment.row;
-  Token* const tokens = segment.tokens;
   std::int32_t fallback = job.fallback;
   std::uint32_t corrections = 0;
   MaskWalk mask = rows.mask(segment.x0);
@@ -28,52 +27,54 @@ void TilePacker::quantise_residuals(Job& job, const TileRows rows,
     }
     if (depth == 0) {
       rows.here.set_hole(around.at);
-      tokens[x] = {.mask_context = in_mask};
+      residuals[x] = Residual(in_mask);
       continue;
     }
-    const PixelPrediction p = predict_pixel(around, place, fallback);
-    const ResidualContext context = residual_context(around, p.level);
+    const LosslessPrediction p = predict_lossless(around, place, fallback, kEveryCount);
+    const ResidualContext context = residual_context(around, p);
     const std::int32_t level = levels.nearest(depth);
     const std::int32_t residual = level - p.level;
     const std::int32_t turned = (residual ^ context.turned) - context.turned;
     const bool off_levels = levels.depth(static_cast<std::uint32_t>(level)) != depth;
-    ResidualSymbol symbol{kFarSymbol, 0};
+    ResidualSymbol coded{kFarSymbol, 0};
     if (std::abs(residual) <= kMostNear && !off_levels) [[likely]] {
-      symbol = residual_symbol(turned);
+      coded = residual_symbol(turned);
     } else {
       jumps_[jumps_in_++] = {off_levels ? 0 : residual, depth};
     }
-    corrections += symbol.symbol != 0;
+    const std::uint32_t errors = kEveryCount ? errors_context(around, p, context) : 0;
+    residuals[x] = Residual(context.shape, errors, coded, in_mask);
+    corrections += coded.symbol != 0;
     keep_residual(rows.here, around.at, p, level);
     fallback = level;
-    tokens[x] = {.correction_context = static_cast<std::uint16_t>(context.model),
-                 .correction = static_cast<std::int8_t>(symbol.symbol),
-                 .sign_context = symbol.extra,
-                 .mask_context = in_mask,
-                 .kind = PixelKind::kPredicted};
   }
   if (corrections != 0) segment.block.corrected = 1;
   job.corrections += corrections;
   job.fallback = fallback;
 }
 
-void TilePacker::code_residuals(RangeEncoder& coder, const BlockState& block, const Token* tokens,
-                                std::uint32_t count) noexcept {
+template <bool kEveryCount>
+void TilePacker::code_residuals(RangeEncoder& coder, const BlockState& block,
+                                const Residual* residuals, std::uint32_t count) noexcept {
   if (block.full != 0 && block.corrected == 0) return;
   for (std::uint32_t x = 0; x < count; ++x) {
-    const Token& token = tokens[x];
-    const bool reading = token.kind != PixelKind::kHole;
+    const Residual residual = residuals[x];
     if (block.full == 0) {
-      coder.bit(models_.mask[token.mask_context], reading);
-      if (!reading) continue;
+      coder.bit(models_.mask[residual.mask()], residual.reading());
+      if (!residual.reading()) continue;
     }
     if (block.corrected == 0) continue;
-    const int symbol = token.correction;
-    coder.symbol(residuals_.of[token.correction_context], symbol);
+    const int symbol = residual.symbol();
+    SymbolModel& by_shape = residuals_.shape[residual.shape()];
+    if constexpr (kEveryCount) {
+      coder.symbol(SymbolPair(by_shape, residuals_.errors[residual.errors()]), symbol);
+    } else {
+      coder.symbol(by_shape, symbol);
+    }
     if (symbol <= 8) [[likely]]
       continue;
     if (symbol != kFarSymbol) {
-      coder.raw(token.sign_context, residual_bits(symbol));
+      coder.raw(residual.extra(), residual_bits(symbol));
       continue;
     }
     const Jump& jump = jumps_[jumps_out_++];
@@ -81,5 +82,14 @@ void TilePacker::code_residuals(RangeEncoder& coder, const BlockState& block, co
     code_jump(coder, jump);
   }
 }
+
+template void TilePacker::quantise_residuals<false>(Job&, TileRows, const Segment&,
+                                                    Residual*) noexcept;
+template void TilePacker::quantise_residuals<true>(Job&, TileRows, const Segment&,
+                                                   Residual*) noexcept;
+template void TilePacker::code_residuals<false>(RangeEncoder&, const BlockState&, const Residual*,
+                                                std::uint32_t) noexcept;
+template void TilePacker::code_residuals<true>(RangeEncoder&, const BlockState&, const Residual*,
+                                               std::uint32_t) noexcept;
 
 }  // namespace planecast

@@ -23,10 +23,11 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   Job job{.tables = tables, .target = target, .content = content, .span = {}};
   job.surfaces_kind = tables.config->tolerance == ToleranceKind::kSurfaces;
   job.lossless = tables.bounds->lossless();
+  job.every_count = tables.levels->every_count();
   job.last_level = static_cast<std::int32_t>(tables.levels->count()) - 1;
   RangeDecoder coder(in);
   models_ = trained_models(tables.bounds->lossless());
-  if (tables.bounds->lossless()) residuals_ = trained_residuals();
+  if (tables.bounds->lossless()) residuals_ = trained_residuals(tables.levels->every_count());
   Status status = read_head(job, coder);
   if (status != Status::kOk) return status;
   if (content.runs) {
@@ -41,7 +42,9 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
       status = read_block_row(job, coder, row);
       const std::uint32_t end = std::min(row * 8 + 8, job.span.v1 - job.span.v0);
       for (std::uint32_t v = row * 8; v < end && status == Status::kOk; ++v)
-        status = job.lossless ? read_lossless_row(job, coder, v) : read_row(job, coder, v);
+        status = !job.lossless     ? read_row(job, coder, v)
+                 : job.every_count ? read_lossless_row<true>(job, coder, v)
+                                   : read_lossless_row<false>(job, coder, v);
       if (coder.truncated()) status = Status::kTruncated;
     }
   }

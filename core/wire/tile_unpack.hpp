@@ -52,6 +52,7 @@ class TileUnpacker {
                     const BlockNeighbours& n) noexcept;
   Status read_block_row(Job& job, RangeDecoder& coder, std::uint32_t row) noexcept;
   Status read_row(Job& job, RangeDecoder& coder, std::uint32_t tile_v) noexcept;
+  template <bool kEveryCount>
   Status read_lossless_row(Job& job, RangeDecoder& shared, std::uint32_t tile_v) noexcept;
   std::int32_t read_jump(const LevelTable& levels, RangeDecoder& coder, std::int32_t from,
                          std::int32_t sign, std::uint16_t& depth) noexcept;

@@ -16,6 +16,7 @@ struct TileUnpacker::Job {
   TileSpan span;
   bool surfaces_kind = false;
   bool lossless = false;
+  bool every_count = false;  ///< no lattice of levels
   std::int32_t last_level = 1;
   std::int32_t fallback = 1;
   std::int32_t last_middle = 256;  ///< of the flat block coded last

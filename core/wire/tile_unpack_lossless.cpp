@@ -17,6 +17,7 @@ namespace planecast {
 }
 
 // What the loop uses is copied first, as in read_segment().
+template <bool kEveryCount>
 Status TileUnpacker::read_lossless_row(Job& job, RangeDecoder& shared,
                                        std::uint32_t tile_v) noexcept {
   RangeDecoder coder = shared;
@@ -58,12 +59,19 @@ Status TileUnpacker::read_lossless_row(Job& job, RangeDecoder& shared,
         continue;
       }
       ++points;
-      const PixelPrediction p = predict_pixel(around, place, fallback);
+      const LosslessPrediction p = predict_lossless(around, place, fallback, kEveryCount);
       std::int32_t level = p.level;
       std::uint16_t depth = 0;
       if (block.corrected != 0) {
-        const ResidualContext context = residual_context(around, p.level);
-        const int symbol = coder.symbol(residuals_.of[context.model]);
+        const ResidualContext context = residual_context(around, p);
+        SymbolModel& by_shape = residuals_.shape[context.shape];
+        int symbol;
+        if constexpr (kEveryCount) {
+          const std::uint32_t errors = errors_context(around, p, context);
+          symbol = coder.symbol(SymbolPair(by_shape, residuals_.errors[errors]));
+        } else {
+          symbol = coder.symbol(by_shape);
+        }
         corrections += symbol != 0;
         if (symbol != kFarSymbol) [[likely]] {
           std::int32_t size = residual_base(symbol);
@@ -89,5 +97,8 @@ Status TileUnpacker::read_lossless_row(Job& job, RangeDecoder& shared,
   shared = coder;
   return Status::kOk;
 }
+
+template Status TileUnpacker::read_lossless_row<false>(Job&, RangeDecoder&, std::uint32_t) noexcept;
+template Status TileUnpacker::read_lossless_row<true>(Job&, RangeDecoder&, std::uint32_t) noexcept;
 
 }  // namespace planecast

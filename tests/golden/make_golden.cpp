@@ -99,10 +99,15 @@ void print_start_models(bool lossless) {
 }
 
 void print_residual_models() {
-  for (const SymbolModel& model : trained_residuals().of) {
-    std::printf("lossless residual");
+  const auto print = [](const char* name, const SymbolModel& model) {
+    std::printf("lossless %s", name);
     for (const std::int16_t bound : model.bounds) std::printf(" %d", int{bound});
     std::printf("\n");
+  };
+  for (const bool every_count : {false, true}) {
+    const ResidualModels& models = trained_residuals(every_count);
+    for (const SymbolModel& m : models.shape) print(every_count ? "shape1" : "shape0", m);
+    for (const SymbolModel& m : models.errors) print(every_count ? "errors1" : "errors0", m);
   }
 }
 

@@ -37,17 +37,20 @@ class Coder:
         self.normalise()
         return int(one)
 
-    def symbol(self, model):
+    def symbol(self, *models):
         part = self.range >> 15
         value = min(self.code // part, 32767)
-        age, bounds = model[0], [0] + model[1:] + [32768]
+        mean = (sum(m[i] for m in models) + len(models) - 1 for i in range(1, 16))
+        bounds = [0] + [total // len(models) for total in mean] + [32768]
         found = max(i for i in range(16) if bounds[i] <= value)
         self.code -= bounds[found] * part
         self.range = (bounds[found + 1] - bounds[found]) * part
-        rate = 2 if age < 2 else 3 if age < 4 else 4 if age < 10 else 5 if age < 24 else 6
-        for i in range(1, 16):
-            model[i] += (8 * i + (32640 if i > found else 0) - model[i]) >> rate
-        model[0] = min(age + 1, 24)
+        for model in models:
+            age = model[0]
+            rate = 2 if age < 2 else 3 if age < 4 else 4 if age < 10 else 5 if age < 24 else 6
+            for i in range(1, 16):
+                model[i] += (8 * i + (32640 if i > found else 0) - model[i]) >> rate
+            model[0] = min(age + 1, 24)
         self.normalise()
         return found
 

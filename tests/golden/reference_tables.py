@@ -73,6 +73,7 @@ def undistort(tx, ty, k1, k2, p1, p2, k3):
 class Levels:
     def __init__(self, key):
         self.c8, self.offset = key["lattice"], key["offset"]
+        self.every_count = self.c8 == 0
         self.dense = math.isqrt(self.c8 >> 8) if self.c8 else 65535
         self.depth = list(range(self.dense + 1))
         self.k_last = 0

@@ -193,6 +193,11 @@ class DepthTile:
         halves = self.s.bounds.halves(u // 8, v // 8)
         if l.level and up.level and ul.level:
             near = sorted((l.level, up.level, l.level + up.level - ul.level))[1]
+            if self.lossless and levels.every_count and ur.level:
+                apart = sum(abs(a.level - b.level) for a, b in ((l, ul), (up, ul), (up, ur)))
+                if 2 <= apart <= 60:
+                    mean = (6 * l.level + 5 * up.level + 2 * ur.level - 5 * ul.level + 4) >> 3
+                    near = min(max(mean, 1), last)
         else:
             near = next((n.level for n in around if n.level), self.fallback)
         surface, side = near, 0
@@ -217,7 +222,7 @@ class DepthTile:
         half = halves[prediction]
         count = None
         if b.corrected and self.lossless:
-            level, count = self.residual(prediction, l, up, ul, ur)
+            level, count = self.residual(prediction, around)
             p.correction = min(max(level - prediction, -8), 8)
         elif b.corrected:
             level, p.correction, count = self.correct(prediction, half, side, l, up, ul, ur)
@@ -262,16 +267,34 @@ class DepthTile:
         return prediction + sign * distance, None
 
     # 7.4
-    def residual(self, prediction, l, up, ul, ur):
+    def residual(self, prediction, around):
+        l, up, ur, ul, ll, uu = around
         total = sum(abs(a.level - b.level) if a.level and b.level else 3
                     for a, b in ((l, ul), (up, ul), (up, ur)))
-        cl, cu, cul, cur = (abs(n.correction) for n in (l, up, ul, ur))
-        e = (2 * cl + 2 * cu + cul + cur + 1) >> 1
-        energy = sum(e > most for most in (0, 1, 2, 4, 7, 12, 20))
+
+        def grade(a, b):
+            d = a.level - b.level if a.level and b.level else 0
+            size = (0, 1, 2, 2, 3)[min(abs(d), 4)]
+            return size if d >= 0 else -size
+
+        def size(n):
+            return abs(n.correction)
+
         sl, su = ((n.correction > 0) - (n.correction < 0) for n in (l, up))
-        lean = 9 * ((prediction < l.level) - (prediction > l.level)) + 3 * sl + su
-        row = (8 * activity_of(self.s.activity, total, 0) + energy) * 14 + abs(lean)
-        symbol = self.c.symbol(self.m.residual[row])
+        tilt = (prediction < l.level) - (prediction > l.level)
+        lean = 9 * tilt + 3 * sl + su
+        slopes = 49 * grade(l, ul) + 7 * grade(up, ul) + grade(ur, up)
+        shape = 514 + (3 * slopes + tilt) * (1 if lean >= 0 else -1)
+        shape += 1029 * ((size(l) + size(up) > 0) + (size(l) + size(up) > 2))
+        every = int(self.s.levels.every_count)
+        models = [getattr(self.m, f"shape{every}")[shape]]
+        if every:
+            e = 2 * size(l) + 2 * size(up) + size(ul) + size(ur) + size(ll) + size(uu)
+            bits = e.bit_length()
+            energy = min(e if e < 4 else 2 * bits - 2 + (e >> (bits - 2) & 1), 11)
+            row = (14 * energy + abs(lean)) * 3 + (total > 1) + (total > 4)
+            models.append(self.m.errors1[row])
+        symbol = self.c.symbol(*models)
         if symbol == 15:
             return self.jump(prediction, -1 if self.c.raw(1) else 1)
         size = (symbol + 1) // 2

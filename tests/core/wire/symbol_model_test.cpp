@@ -93,10 +93,41 @@ TEST(SymbolModel, AnyBytesDecodeToASymbol) {
 }
 
 TEST(SymbolModel, TrainedStartsRiseAndLeaveEverySymbolRoom) {
-  for (const SymbolModel& model : trained_residuals().of) {
-    ASSERT_GE(model.bounds[0], 0);
-    ASSERT_LE(model.bounds[0], detail::kMaxSymbolAge);
-    for (int s = 0; s < 16; ++s) ASSERT_GE(model.high(s), model.low(s) + 1);
+  const auto check = [](const auto& models) {
+    for (const SymbolModel& model : models) {
+      ASSERT_GE(model.bounds[0], 0);
+      ASSERT_LE(model.bounds[0], detail::kMaxSymbolAge);
+      for (int s = 0; s < 16; ++s) ASSERT_GE(model.high(s), model.low(s) + 1);
+    }
+  };
+  for (const bool every_count : {false, true}) {
+    check(trained_residuals(every_count).shape);
+    check(trained_residuals(every_count).errors);
+  }
+}
+
+TEST(SymbolPair, IsTheMeanOfItsModelsWhichBothLearn) {
+  Pcg32 random(4);
+  SymbolModel first, second;
+  PlainModel plain[2];
+  for (int n = 0; n < 3000; ++n) {
+    if (n % 50 < 10) {  // apart, so that the mean is of two different ones
+      const int symbol = skewed(random, 0.9);
+      first.update(symbol);
+      plain[0].update(symbol);
+    }
+    SymbolPair pair(first, second);
+    const auto bound = [&](int i) { return (plain[0].bounds[i] + plain[1].bounds[i] + 1) / 2; };
+    const int symbol = skewed(random, 0.2);
+    for (int s = 0; s < 16; ++s) {
+      ASSERT_EQ(pair.low(s), static_cast<std::uint32_t>(bound(s)));
+      ASSERT_EQ(pair.high(s), static_cast<std::uint32_t>(bound(s + 1)));
+      ASSERT_LT(bound(s), bound(s + 1));
+      ASSERT_EQ(pair.find(bound(s)), s);
+      ASSERT_EQ(pair.find(bound(s + 1) - 1), s);
+    }
+    pair.update(symbol);
+    for (PlainModel& p : plain) p.update(symbol);
   }
 }
 
