@@ -2,10 +2,50 @@
 // the one before it.
 #include <cstdlib>
 
+#include "core/base/lanes.hpp"
 #include "core/wire/tile_pack.hpp"
 #include "core/wire/tile_pack_job.hpp"
 
 namespace planecast {
+namespace {
+
+// Levels up to this can be added and taken from each other in sixteen bits.
+constexpr std::int32_t kMostShortLevel = 16383;
+
+// detail::LevelsAround of the eight pixels of a segment, of a stream whose levels are a lattice.
+struct EightAround {
+  std::int16_t neighbour[8], apart[8], slopes[8];
+
+  LosslessPrediction predict(const Neighbourhood& n, const PixelPlace& place,
+                             std::uint32_t i) const noexcept {
+    return {predict_from(n, place, neighbour[i]), apart[i], slopes[i]};
+  }
+};
+
+// detail::slope_grade() of eight; what is true is -1.
+Short8 slope_grades(Short8 d) noexcept {
+  return (d < 0) + (d < -1) + (d < -3) - (d > 0) - (d > 1) - (d > 3);
+}
+
+// detail::levels_around() of eight pixels from index `at`; false where a hole is among what they
+// see.
+bool levels_around_eight(const PixelRow& here, const PixelRow& above, std::size_t at,
+                         EightAround& out) noexcept {
+  const auto left = load8(here.level + at - 1), up = load8(above.level + at);
+  const auto corner = load8(above.level + at - 1), right = load8(above.level + at + 1);
+  if ((nonzero_bits8(left) & nonzero_bits8(up) & nonzero_bits8(right)) != 0xffU ||
+      above.level[at - 1] == 0)
+    return false;
+  const auto l = reinterpret_cast<Short8>(left), u = reinterpret_cast<Short8>(up);
+  const auto ul = reinterpret_cast<Short8>(corner), ur = reinterpret_cast<Short8>(right);
+  const auto size = [](Short8 a) { return max8(a, -a); };
+  store8(out.neighbour, max8(min8(l, u), min8(l + u - ul, max8(l, u))));
+  store8(out.apart, size(l - ul) + size(u - ul) + size(ur - u));
+  store8(out.slopes, 49 * slope_grades(l - ul) + 7 * slope_grades(u - ul) + slope_grades(ur - u));
+  return true;
+}
+
+}  // namespace
 
 template <bool kEveryCount>
 void TilePacker::quantise_residuals(Job& job, const TileRows rows, const Segment& segment,
@@ -17,6 +57,13 @@ void TilePacker::quantise_residuals(Job& job, const TileRows rows, const Segment
   std::int32_t fallback = job.fallback;
   std::uint32_t corrections = 0;
   MaskWalk mask = rows.mask(segment.x0);
+  const std::size_t at = segment.x0 + PixelRow::kBorder;
+  for (std::uint32_t x = segment.x0; x < segment.x1; ++x)
+    rows.here.level[x + PixelRow::kBorder] = levels.nearest(depths[x]);
+  EightAround eight;
+  const bool whole = !kEveryCount && segment.x1 - segment.x0 == 8 &&
+                     job.last_level <= kMostShortLevel &&
+                     levels_around_eight(rows.here, rows.above, at, eight);
   for (std::uint32_t x = segment.x0; x < segment.x1; ++x, place.step_right()) {
     const Neighbourhood around = rows.around(x);
     const std::uint16_t depth = depths[x];
@@ -30,9 +77,10 @@ void TilePacker::quantise_residuals(Job& job, const TileRows rows, const Segment
       residuals[x] = Residual(in_mask);
       continue;
     }
-    const LosslessPrediction p = predict_lossless(around, place, fallback, kEveryCount);
+    const LosslessPrediction p = whole ? eight.predict(around, place, x - segment.x0)
+                                       : predict_lossless(around, place, fallback, kEveryCount);
     const ResidualContext context = residual_context(around, p);
-    const std::int32_t level = levels.nearest(depth);
+    const std::int32_t level = rows.here.level[around.at];
     const std::int32_t residual = level - p.level;
     const std::int32_t turned = (residual ^ context.turned) - context.turned;
     const bool off_levels = levels.depth(static_cast<std::uint32_t>(level)) != depth;
