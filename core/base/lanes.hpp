@@ -93,6 +93,11 @@ inline Short8 all8(std::int16_t value) noexcept {
   return Short8{value, value, value, value, value, value, value, value};
 }
 
+/// a - b, wrapped where it leaves sixteen bits: for lanes of which some are not looked at.
+inline Short8 minus8(Short8 a, Short8 b) noexcept {
+  return reinterpret_cast<Short8>(reinterpret_cast<Count8>(a) - reinterpret_cast<Count8>(b));
+}
+
 inline Short8 min8(Short8 a, Short8 b) noexcept {
   return a < b ? a : b;
 }

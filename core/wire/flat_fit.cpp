@@ -60,7 +60,8 @@ Shifts near_shifts(const FlatWindow& window, const NearSurface& at) noexcept {
   Short8 least = lowest, most = highest;
   for (int y = 0; y < 8; ++y) {
     const Short8 q = at.row(y);
-    Short8 low = load8(window.low_q8 + 8 * y) - q, high = load8(window.high_q8 + 8 * y) - q;
+    Short8 low = minus8(load8(window.low_q8 + 8 * y), q);
+    Short8 high = minus8(load8(window.high_q8 + 8 * y), q);
     if (kHoles) {
       const auto there = reinterpret_cast<Short8>(load8(window.high + 8 * y) != Count8{});
       low = there ? low : lowest;
@@ -103,8 +104,8 @@ bool bent(const FlatWindow& window) noexcept {
     const auto h = reinterpret_cast<Short8>(load8(window.high + 8 * y));
     const auto l = reinterpret_cast<Short8>(load8(window.low + 8 * y));
     const Short8 hole = h == Short8{};
-    low[y] = ((l - base) & ~hole) | (hole & all8(-8 * kComparable));
-    high[y] = ((h - base) & ~hole) | (hole & all8(8 * kComparable));
+    low[y] = (minus8(l, base) & ~hole) | (hole & all8(-8 * kComparable));
+    high[y] = (minus8(h, base) & ~hole) | (hole & all8(8 * kComparable));
   }
   const Short8 none = {};
   Short8 most = {};
@@ -141,7 +142,7 @@ Slopes near_slopes(const FlatWindow& window, const NearSurface& at) noexcept {
   for (int y = 0; y < 8; ++y) {
     const Short8 own = reinterpret_cast<Short8>(load8(window.own + 8 * y)) - base;
     there[y] = reinterpret_cast<Short8>(load8(window.high + 8 * y) != Count8{});
-    left[y] = (own - ((at.row(y) + half) >> 8)) & there[y];
+    left[y] = minus8(own, (at.row(y) + half) >> 8) & there[y];
     sums += left[y];
   }
   const auto sum_of = [](Short8 a) {
@@ -234,8 +235,8 @@ void FlatWindow::prepare() noexcept {
   for (int y = 0; y < 8; ++y) {
     const auto l = reinterpret_cast<Short8>(load8(low + 8 * y));
     const auto h = reinterpret_cast<Short8>(load8(high + 8 * y));
-    store8(low_q8 + 8 * y, ((l - from) << 8) - all8(128));
-    store8(high_q8 + 8 * y, ((h - from) << 8) + all8(127));
+    store8(low_q8 + 8 * y, minus8((l - from) << 8, all8(128)));
+    store8(high_q8 + 8 * y, minus8((h - from) << 8, all8(-127)));
   }
 }
 

@@ -16,7 +16,9 @@ std::uint32_t context_at(const PixelRow& here, const PixelRow& above, const Pixe
                                    above.level[at + 1], here.level[at - 2], above2.level[at],
                                    above.level[at + 2], above.level[at - 2]};
   std::uint32_t context = 0;
-  for (unsigned i = 0; i < 8; ++i) context |= (around[i] != 0 ? 1U : 0U) << i;
+  for (unsigned i = 0; i < 8; ++i) {
+    if (around[i] != 0) context |= 1U << i;
+  }
   return context;
 }
 
