@@ -10,20 +10,8 @@
 namespace planecast {
 namespace {
 
-constexpr float kIvOne = 2147483648.0F;  // 2^kInverseDepthBits
 constexpr float kRayOne = 1.0F / (1 << 27);
 constexpr float kLeastReadings = 5;
-
-// A reading of the cell to count from: the first one.
-float origin_of(const std::uint16_t* depth, std::size_t stride, std::uint32_t wide,
-                std::uint32_t high) noexcept {
-  for (std::uint32_t v = 0; v < high; ++v) {
-    for (std::uint32_t u = 0; u < wide; ++u) {
-      if (depth[v * stride + u] != 0) return kIvOne / static_cast<float>(depth[v * stride + u]);
-    }
-  }
-  return 0;
-}
 
 // A whole cell under separable rays; dx: four columns, dy: four rows from the cell's origin.
 LocalSums whole_sums(const std::uint16_t* depth, std::size_t stride, Float4 dx, Float4 dy,
@@ -33,7 +21,7 @@ LocalSums whole_sums(const std::uint16_t* depth, std::size_t stride, Float4 dx, 
     const Float4 count = load4(depth + v * stride);
     const Int4 reading = count > all4(0);
     const Float4 one = keep4(reading, all4(1)), row = all4(dy[v]);
-    const Float4 d = keep4(reading, all4(kIvOne) / max4(count, all4(1)) - all4(w0));
+    const Float4 d = keep4(reading, all4(kInverseDepthOne) / max4(count, all4(1)) - all4(w0));
     n += one;
     y += row * one;
     yy += row * row * one;
@@ -54,17 +42,9 @@ LocalSums any_sums(const RayTable& rays, std::span<const std::uint16_t> depth, s
     const std::uint32_t u = u0 + bit % kFineSide, v = v0 + bit / kFineSide;
     const float x = static_cast<float>(rays.x(u, v) - rays.x(u0, v0)) * kRayOne;
     const float y = static_cast<float>(rays.y(u, v) - rays.y(u0, v0)) * kRayOne;
-    const float w = kIvOne / static_cast<float>(depth[std::size_t{v} * rays.width + u]) - w0;
-    out.n += 1;
-    out.x += x;
-    out.y += y;
-    out.xx += x * x;
-    out.xy += x * y;
-    out.yy += y * y;
-    out.w += w;
-    out.xw += x * w;
-    out.yw += y * w;
-    out.ww += w * w;
+    const float w =
+        kInverseDepthOne / static_cast<float>(depth[std::size_t{v} * rays.width + u]) - w0;
+    out.add(x, y, w);
   }
   return out;
 }
@@ -102,7 +82,7 @@ void measure_part(const FitTables& tables, std::span<const std::uint16_t> depth,
   const auto bit = static_cast<std::uint32_t>(std::countr_zero(wanted));
   const std::size_t first =
       std::size_t{v0 + bit / kFineSide} * tables.rays->width + u0 + bit % kFineSide;
-  const float w0 = kIvOne / static_cast<float>(depth[first]);
+  const float w0 = kInverseDepthOne / static_cast<float>(depth[first]);
   set_cell(any_sums(*tables.rays, depth, u0, v0, wanted, w0), *tables.rays, u0, v0, w0,
            InverseNoise(*tables.config), noise_factor, cell);
 }
@@ -126,7 +106,7 @@ void measure_fine_cells(const FitTables& tables, std::span<const std::uint16_t> 
       const std::uint16_t* first = depth.data() + std::size_t{v0} * rays.width + u0;
       Cell& cell = cells[std::size_t{cy} * cells_wide + cx];
       cell = {};
-      const float w0 = origin_of(first, rays.width, wide, high);
+      const float w0 = cell_origin(first, rays.width, wide, high);
       if (w0 == 0) continue;
       LocalSums sums;
       if (rays.separable && wide == kFineSide && high == kFineSide) {

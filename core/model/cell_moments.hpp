@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #include "core/model/region_map.hpp"
 
@@ -10,7 +12,37 @@ namespace planecast {
 /// Sums of a cell's readings about a ray (x0, y0) and an inverse depth w0 of its own.
 struct LocalSums {
   float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, w = 0, xw = 0, yw = 0, ww = 0;
+
+  /// One reading, by its distances from (x0, y0) and w0.
+  void add(float dx, float dy, float dw) noexcept {
+    n += 1;
+    x += dx;
+    y += dy;
+    xx += dx * dx;
+    xy += dx * dy;
+    yy += dy * dy;
+    w += dw;
+    xw += dx * dw;
+    yw += dy * dw;
+    ww += dw * dw;
+  }
 };
+
+/// 2^kInverseDepthBits: the inverse depth of one count.
+inline constexpr float kInverseDepthOne = 2147483648.0F;
+
+/// An inverse depth of a cell of `wide` x `high` pixels to count from: that of its first reading, 0
+/// where there is none. `stride`: pixels from row to row.
+inline float cell_origin(const std::uint16_t* depth, std::size_t stride, std::uint32_t wide,
+                         std::uint32_t high) noexcept {
+  for (std::uint32_t v = 0; v < high; ++v) {
+    for (std::uint32_t u = 0; u < wide; ++u) {
+      if (depth[v * stride + u] != 0)
+        return kInverseDepthOne / static_cast<float>(depth[v * stride + u]);
+    }
+  }
+  return 0;
+}
 
 /// Moments from sums; false when the readings lie on one line.
 inline bool set_moments(const LocalSums& s, Cell& cell) noexcept {

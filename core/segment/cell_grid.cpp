@@ -11,7 +11,6 @@ namespace planecast {
 namespace {
 
 constexpr std::uint32_t kSide = 8;
-constexpr float kIvOne = 2147483648.0F;  // 2^kInverseDepthBits
 constexpr double kRayOne = 1.0 / (1 << 27);
 constexpr float kSeedShare = 0.6F;  // of a cell's pixels, for a plane of its own
 constexpr float kJoinShare = 0.5F;
@@ -22,17 +21,6 @@ constexpr double kNoiseShare = 0.4;
 constexpr std::uint32_t kLeastGroups = 24;
 constexpr double kMostNoise = 16;  // noise variances
 
-// An inverse depth of the cell to count from: the first reading's.
-float origin_of(const std::uint16_t* depth, std::size_t stride, std::uint32_t wide,
-                std::uint32_t high) noexcept {
-  for (std::uint32_t v = 0; v < high; ++v) {
-    for (std::uint32_t u = 0; u < wide; ++u) {
-      if (depth[v * stride + u] != 0) return kIvOne / static_cast<float>(depth[v * stride + u]);
-    }
-  }
-  return 0;
-}
-
 // What the columns of half a cell add up to; the rays of a camera without distortion depend on
 // the column or the row alone, so that products wait until the rows are in.
 struct HalfCell {
@@ -41,7 +29,7 @@ struct HalfCell {
   void add_row(Float4 depth, float dy, float w0) noexcept {
     const Int4 reading = depth > all4(0);
     const Float4 one = keep4(reading, all4(1)), row = all4(dy);
-    const Float4 d = keep4(reading, all4(kIvOne) / max4(depth, all4(1)) - all4(w0));
+    const Float4 d = keep4(reading, all4(kInverseDepthOne) / max4(depth, all4(1)) - all4(w0));
     n += one;
     y += row * one;
     yy += row * row * one;
@@ -77,7 +65,7 @@ LocalSums separable_sums(const std::uint16_t* depth, std::size_t stride, const f
 // The same without a hole: what no depth has a say in is known from the rays.
 LocalSums full_sums(const std::uint16_t* depth, std::size_t stride, const float* dx,
                     const float* dy, float w0) noexcept {
-  const Float4 one = all4(kIvOne), origin = all4(w0);
+  const Float4 one = all4(kInverseDepthOne), origin = all4(w0);
   Float4 wl = all4(0), wr = wl, yw = wl, ww = wl;
   for (std::uint32_t v = 0; v < kSide; ++v) {
     const Float4 left = one / load4(depth + v * stride) - origin;
@@ -104,16 +92,10 @@ LocalSums full_sums(const std::uint16_t* depth, std::size_t stride, const float*
 }
 
 bool has_hole(const std::uint16_t* depth, std::size_t stride) noexcept {
-  using Count8 = std::uint16_t __attribute__((vector_size(16)));
   Count8 zero = {};
-  for (std::uint32_t v = 0; v < kSide; ++v) {
-    Count8 row;
-    std::memcpy(&row, depth + v * stride, sizeof row);
-    zero |= reinterpret_cast<Count8>(row == Count8{});
-  }
-  std::uint64_t halves[2];
-  std::memcpy(halves, &zero, sizeof halves);
-  return (halves[0] | halves[1]) != 0;
+  for (std::uint32_t v = 0; v < kSide; ++v)
+    zero |= reinterpret_cast<Count8>(load8(depth + v * stride) == Count8{});
+  return nonzero_bits8(zero) != 0;
 }
 
 // Any cell, pixel by pixel: distorted rays, and the border of the image.
@@ -127,17 +109,8 @@ LocalSums any_sums(const RayTable& rays, const std::uint16_t* depth, std::uint32
       if (count == 0) continue;
       const float x = static_cast<float>((rays.x(u0 + u, v0 + v) - x0) * kRayOne);
       const float y = static_cast<float>((rays.y(u0 + u, v0 + v) - y0) * kRayOne);
-      const float w = kIvOne / static_cast<float>(count) - w0;
-      out.n += 1;
-      out.x += x;
-      out.y += y;
-      out.xx += x * x;
-      out.xy += x * y;
-      out.yy += y * y;
-      out.w += w;
-      out.xw += x * w;
-      out.yw += y * w;
-      out.ww += w * w;
+      const float w = kInverseDepthOne / static_cast<float>(count) - w0;
+      out.add(x, y, w);
     }
   }
   return out;
@@ -192,7 +165,7 @@ void CellGrid::measure_cells(const RayTable& rays, std::span<const std::uint16_t
       const std::uint16_t* first = depth.data() + std::size_t{v0} * rays.width + u0;
       Cell& cell = cells_[std::size_t{cy} * wide_ + cx];
       cell = {};
-      const float w0 = origin_of(first, rays.width, wide, high);
+      const float w0 = cell_origin(first, rays.width, wide, high);
       if (w0 == 0) continue;
       const std::int32_t x0 = rays.x(um, vm), y0 = rays.y(um, vm);
       const LocalSums sums = !(rays.separable && wide == kSide && high == kSide)
