@@ -129,11 +129,10 @@ class RunTile {
     return (low == 0) & (ul != 0) ? 0 : median;
   }
 
+  /// Whether a level, 0 for a hole, is within the bound of a reading, 0 for none. Encoder only.
   bool holds(std::int32_t level, std::uint16_t depth) const noexcept {
-    const int off = int{tables_.levels->depth(static_cast<std::uint32_t>(level))} - int{depth};
-    return (static_cast<std::uint32_t>(std::abs(off)) <=
-            tables_.bounds->max_error(depth, ray_class_)) &
-           ((level != 0) == (depth != 0));
+    const LevelWindow window = tables_.bounds->windows(ray_class_)[depth];
+    return (level >= window.low) & (level <= window.high);
   }
 
   /// Where the steps of a miss begin: at a level nearby where a hole was foretold.
@@ -172,8 +171,7 @@ class RunTile {
     const std::int32_t own = tables_.levels->nearest(depth), away = own - from;
     const std::int32_t steps = step == 1 ? away : rounded(away, step);
     const std::int32_t level = from + steps * step;
-    const bool codable = level >= 1 && level < static_cast<std::int32_t>(tables_.levels->count()) &&
-                         holds(level, depth) && (steps != 0 || around.foretold == 0);
+    const bool codable = holds(level, depth) && (steps != 0 || around.foretold == 0);
     if (!codable) {
       io_.symbol(model, kMissCount);
       io_.raw(depth, 16);
