@@ -78,6 +78,12 @@ Bytes slice_of(Pcg32& random, const WireBench& b, std::size_t body) {
   return packet;
 }
 
+// The head of a tile that is the first block of an image of 16 x 16 pixels.
+void code_one_block(RangeEncoder& coder, std::uint32_t modelled) {
+  coder.raw(modelled, 1);
+  for (int field = 0; field < 4; ++field) coder.raw(0, 1);
+}
+
 StreamConfig hostile_config(Pcg32& random) {
   return test::random_config(random, random.below(3) == 0 ? 20 : 150);
 }
@@ -194,8 +200,7 @@ TEST(HostileSlices, ARunBeyondItsTileIsRefused) {
   for (const std::uint32_t run : {63U, 64U, 67U}) {  // one block holds 64 pixels, the last a miss
     Bytes packet = slice_of(random, b, 64);
     RangeEncoder coder{std::span(packet).subspan(kPacketHeaderBytes)};
-    coder.raw(kVerbatimTile, 1);
-    for (const int bits : {1, 1, 1, 1}) coder.raw(0, bits);
+    code_one_block(coder, kVerbatimTile);
     coder.raw(kRunTile, 1);
     SymbolModel runs, misses;
     coder.symbol(runs, 10);
@@ -217,8 +222,7 @@ TEST(HostileSlices, CoefficientsPastThirtyBitsAreRefused) {
   for (const std::uint32_t shift : {0U, 10U, 31U}) {
     Bytes packet = slice_of(random, b, 64);
     RangeEncoder coder{std::span(packet).subspan(kPacketHeaderBytes)};
-    coder.raw(kModelled, 1);
-    for (const int bits : {1, 1, 1, 1}) coder.raw(0, bits);
+    code_one_block(coder, kModelled);
     coder.raw(1000, 16);
     coder.raw(1, 6);
     coder.raw(shift, 5);
