@@ -49,7 +49,7 @@ say() {
 # build_and_test PRESET: configures, builds and tests one preset of CMakePresets.json.
 build_and_test() {
   say "$1: configure"
-  "${wrap[@]}" cmake --preset "$1" --log-level=WARNING
+  "${wrap[@]}" cmake --preset "$1" -D PLANECAST_UNITY=ON --log-level=WARNING
   say "$1: build"
   "${wrap[@]}" cmake --build --preset "$1" -j "$jobs"
   say "$1: test"

@@ -15,7 +15,7 @@
 namespace planecast {
 namespace {
 
-constexpr std::int64_t kPollNs = 50'000'000;
+constexpr std::int64_t kInputPollNs = 50'000'000;
 constexpr std::int64_t kPatienceNs = 2'000'000'000;  // until the user is told what is waited for
 
 bool is_live(const DaemonOptions& daemon) {
@@ -40,7 +40,7 @@ Result<Done> open_live(const DaemonOptions& daemon, const LcmUrl& url, StreamInp
 Result<Done> first_live_frame(StreamInput& input, const std::string& name, StopSignals& signals) {
   std::int64_t tell_ns = monotonic_ns() + kPatienceNs;
   std::string told;
-  while (!input.live->next_within(input.first, kPollNs)) {
+  while (!input.live->next_within(input.first, kInputPollNs)) {
     if (signals.asked()) return {Status::kStopped, "stopped before the first cloud came"};
     const std::string refusal = input.live->refusal();
     if (!refusal.empty() && refusal != told) {

@@ -6,8 +6,6 @@
 namespace planecast {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 void add_check(StreamTotals& total, const FrameRecord& record) {
   ++total.checked;
   total.incomparable += !record.comparable;
@@ -45,7 +43,7 @@ StreamStatistics stream_statistics(const ReceiverStatistics& statistics, std::ui
 }
 
 double StreamSecond::latency_p50_ms() const {
-  if (latencies_ns.empty()) return kNone;
+  if (latencies_ns.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::vector<std::int64_t> sorted = latencies_ns;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());

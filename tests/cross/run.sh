@@ -46,7 +46,7 @@ need() {
 # configure PRESET ARGUMENT...: into $build, quietly unless it fails.
 configure() {
   local log
-  log=$(cmake --preset "$1" -B "$build" --log-level=WARNING "${@:2}" 2>&1) || { echo "$log"; return 1; }
+  log=$(cmake --preset "$1" -B "$build" -D PLANECAST_UNITY=ON --log-level=WARNING "${@:2}" 2>&1) || { echo "$log"; return 1; }
 }
 
 # build_and_test TARGET...: builds the programs, runs the ctest test of each.

@@ -16,10 +16,3 @@ std::filesystem::path data_path(const std::string& relative);
 #define PLANECAST_NEED_DATA(variable, relative)                                  \
   const std::filesystem::path variable = ::planecast::test::data_path(relative); \
   if (variable.empty()) GTEST_SKIP() << "development data absent: " << (relative)
-
-/// For tests that take minutes under a sanitizer and see nothing there that smaller ones do not.
-#ifdef PLANECAST_SANITIZED
-#define PLANECAST_NEED_SPEED() GTEST_SKIP() << "runs in builds without sanitizers"
-#else
-#define PLANECAST_NEED_SPEED() static_cast<void>(0)
-#endif

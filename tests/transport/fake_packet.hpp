@@ -15,6 +15,7 @@ namespace planecast::test {
 
 inline constexpr std::uint8_t kFakeMagic = 0xA7;
 inline constexpr std::size_t kFakeHeaderBytes = 28;
+inline constexpr std::int64_t kSecond = 1'000'000'000;  // in ns
 
 inline std::uint32_t fake_check(std::span<const std::uint8_t> bytes) noexcept {
   std::uint32_t hash = 2166136261U;

@@ -17,11 +17,10 @@ namespace {
 
 using test::fake_packet;
 using test::key_info;
+using test::kSecond;
 using test::slice_info;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-
-PublisherConfig small_config() {
+PublisherConfig small_publisher() {
   PublisherConfig config;
   config.channel = "TEST";
   config.frames = 4;
@@ -42,7 +41,7 @@ void open_gate() {
 
 std::unique_ptr<Publisher> gated_publisher(const std::shared_ptr<LcmLink>& link) {
   gate_open.store(false);
-  PublisherConfig config = small_config();
+  PublisherConfig config = small_publisher();
   config.on_thread_start = wait_at_gate;
   return std::move(Publisher::create(config, link).value());
 }
@@ -104,7 +103,7 @@ void publish_frame(Publisher& publisher, std::uint32_t number, std::uint16_t cou
 
 TEST(Publisher, SendsEveryPacketOfEveryFrameInOrder) {
   Recorder recorder;
-  auto publisher = std::move(Publisher::create(small_config(), recorder.link()).value());
+  auto publisher = std::move(Publisher::create(small_publisher(), recorder.link()).value());
   std::uint64_t bytes = 0;
   for (std::uint32_t number = 0; number < 50; ++number) {
     publish_frame(*publisher, number, 5, number == 0);
@@ -147,7 +146,7 @@ TEST(Publisher, ANetworkThatStallsLosesTheOldestFramesWhole) {
 
 TEST(Publisher, FramesAreNeverMixedWhenTheSourceIsFasterThanTheSender) {
   Recorder recorder;
-  auto publisher = std::move(Publisher::create(small_config(), recorder.link()).value());
+  auto publisher = std::move(Publisher::create(small_publisher(), recorder.link()).value());
   constexpr std::uint32_t kFrames = 3000;
   for (std::uint32_t number = 0; number < kFrames; ++number) publish_frame(*publisher, number, 3);
   ASSERT_TRUE(publisher->flush(60 * kSecond));
@@ -168,7 +167,7 @@ TEST(Publisher, FramesAreNeverMixedWhenTheSourceIsFasterThanTheSender) {
 
 TEST(Publisher, APacedFrameIsSentWhole) {
   Recorder recorder;
-  PublisherConfig config = small_config();
+  PublisherConfig config = small_publisher();
   config.burst_packets = 2;
   config.pace_above_packets = 3;
   config.pace_ns = 1'000'000;
@@ -201,7 +200,7 @@ TEST(Publisher, AKeyPacketDroppedUnsentIsAskedForAgain) {
 
 TEST(Publisher, StopDropsWhatIsQueuedAndCountsIt) {
   Recorder recorder;
-  PublisherConfig config = small_config();
+  PublisherConfig config = small_publisher();
   config.burst_packets = 1;
   config.pace_above_packets = 0;
   config.pace_ns = 100'000'000;  // 2.8 s for what is queued
@@ -220,7 +219,7 @@ TEST(Publisher, StopDropsWhatIsQueuedAndCountsIt) {
 
 TEST(Publisher, PacketsMayBeWrittenInPlace) {
   Recorder recorder;
-  auto publisher = std::move(Publisher::create(small_config(), recorder.link()).value());
+  auto publisher = std::move(Publisher::create(small_publisher(), recorder.link()).value());
   FrameBuffer* frame = publisher->claim();
   const std::vector<std::uint8_t> packet = fake_packet(slice_info(1, 1, 3, 0, 1));
   const std::span<std::uint8_t> space = frame->space();
@@ -238,7 +237,7 @@ TEST(Publisher, PacketsMayBeWrittenInPlace) {
 
 TEST(Publisher, AFullFrameSaysSo) {
   Recorder recorder;
-  auto publisher = std::move(Publisher::create(small_config(), recorder.link()).value());
+  auto publisher = std::move(Publisher::create(small_publisher(), recorder.link()).value());
   FrameBuffer* frame = publisher->claim();
   const std::vector<std::uint8_t> large(1190, 1);
   EXPECT_EQ(frame->append(std::vector<std::uint8_t>(1191, 1)), Status::kWrongSize);
@@ -260,7 +259,7 @@ TEST(Publisher, AFullFrameSaysSo) {
 
 TEST(Publisher, OnlyOneFrameIsClaimedAtATime) {
   Recorder recorder;
-  auto publisher = std::move(Publisher::create(small_config(), recorder.link()).value());
+  auto publisher = std::move(Publisher::create(small_publisher(), recorder.link()).value());
   FrameBuffer* frame = publisher->claim();
   EXPECT_EQ(publisher->claim(), nullptr);
   EXPECT_EQ(publisher->publish(nullptr), Status::kBadConfig);
@@ -271,7 +270,7 @@ TEST(Publisher, OnlyOneFrameIsClaimedAtATime) {
 
 TEST(Publisher, MemoryIsExactlyWhatWasTold) {
   Recorder recorder;
-  const PublisherConfig config = small_config();
+  const PublisherConfig config = small_publisher();
   Result<Arena> arena = Arena::map(Publisher::memory_bytes(config));
   ASSERT_TRUE(arena.ok());
   EXPECT_TRUE(Publisher::create(config, recorder.link(), &arena.value()).ok());
@@ -285,7 +284,7 @@ TEST(Publisher, MemoryIsExactlyWhatWasTold) {
 TEST(Publisher, ImpossibleConfigurationsAreRefused) {
   Recorder recorder;
   const auto status = [&recorder](auto change) {
-    PublisherConfig config = small_config();
+    PublisherConfig config = small_publisher();
     change(config);
     const auto result = Publisher::create(config, recorder.link());
     return result.ok() ? Status::kOk : result.error().status;

@@ -18,15 +18,14 @@ namespace {
 
 using test::fake_packet;
 using test::key_info;
+using test::kSecond;
 using test::slice_info;
-
-constexpr std::int64_t kSecond = 1'000'000'000;
 
 std::shared_ptr<LcmLink> memory_link() {
   return LcmLink::open(parse_lcm_url("memq://").value(), true).value();
 }
 
-SubscriberConfig small_config() {
+SubscriberConfig small_subscriber() {
   SubscriberConfig config;
   config.channel = "TEST";
   config.parse = test::parse_fake;
@@ -46,7 +45,7 @@ void settle(const Subscriber& subscriber, std::uint64_t messages) {
 
 TEST(Subscriber, FramesComeThroughWithKeyAndBytes) {
   const auto link = memory_link();
-  auto subscriber = std::move(Subscriber::create(small_config(), link).value());
+  auto subscriber = std::move(Subscriber::create(small_subscriber(), link).value());
   PublisherConfig config;
   config.channel = "TEST";
   auto publisher = std::move(Publisher::create(config, link).value());
@@ -79,7 +78,7 @@ TEST(Subscriber, FramesComeThroughWithKeyAndBytes) {
 
 TEST(Subscriber, PartialFrameArrivesByItsDeadlineWithoutFurtherTraffic) {
   const auto link = memory_link();
-  auto subscriber = std::move(Subscriber::create(small_config(), link).value());
+  auto subscriber = std::move(Subscriber::create(small_subscriber(), link).value());
   std::vector<std::uint8_t> message(200);
   std::size_t size = 0;
   ASSERT_EQ(encode_envelope(fake_packet(slice_info(5, 2, 0, 0, 6)), message, size), Status::kOk);
@@ -92,7 +91,7 @@ TEST(Subscriber, PartialFrameArrivesByItsDeadlineWithoutFurtherTraffic) {
 
 TEST(Subscriber, EveryKindOfBadMessageIsCountedUnderItsName) {
   const auto link = memory_link();
-  auto subscriber = std::move(Subscriber::create(small_config(), link).value());
+  auto subscriber = std::move(Subscriber::create(small_subscriber(), link).value());
   const std::vector<std::uint8_t> packet = fake_packet(slice_info(5, 2, 0, 0, 6));
   std::vector<std::uint8_t> good(packet.size() + 10);
   std::size_t size = 0;
@@ -129,7 +128,7 @@ TEST(Subscriber, EveryKindOfBadMessageIsCountedUnderItsName) {
 
 TEST(Subscriber, RandomBytesAreAllCountedAndNoneAccepted) {
   const auto link = memory_link();
-  auto subscriber = std::move(Subscriber::create(small_config(), link).value());
+  auto subscriber = std::move(Subscriber::create(small_subscriber(), link).value());
   Pcg32 random(11);
   constexpr std::uint64_t kMessages = 3000;
   for (std::uint64_t i = 0; i < kMessages; ++i) {
@@ -151,7 +150,7 @@ TEST(Subscriber, RandomBytesAreAllCountedAndNoneAccepted) {
 
 TEST(Subscriber, OnlyTheNamedChannelIsHeardEvenWithPatternCharacters) {
   const auto link = memory_link();
-  SubscriberConfig config = small_config();
+  SubscriberConfig config = small_subscriber();
   config.channel = "A.B+(c)";
   auto subscriber = std::move(Subscriber::create(config, link).value());
   const std::vector<std::uint8_t> message(20, 1);
@@ -165,7 +164,7 @@ TEST(Subscriber, OnlyTheNamedChannelIsHeardEvenWithPatternCharacters) {
 
 TEST(Subscriber, StopsInAnyStateAndEndsAWait) {
   const auto link = memory_link();
-  auto subscriber = std::move(Subscriber::create(small_config(), link).value());
+  auto subscriber = std::move(Subscriber::create(small_subscriber(), link).value());
   std::thread stopper([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     subscriber->stop();
@@ -178,23 +177,23 @@ TEST(Subscriber, StopsInAnyStateAndEndsAWait) {
 
 TEST(Subscriber, WrongUseIsRefusedWithAReason) {
   const auto link = memory_link();
-  SubscriberConfig config = small_config();
+  SubscriberConfig config = small_subscriber();
   config.parse = nullptr;
   EXPECT_FALSE(Subscriber::create(config, link).ok());
-  config = small_config();
+  config = small_subscriber();
   config.channel = "";
   const auto unnamed = Subscriber::create(config, link);
   ASSERT_FALSE(unnamed.ok());
   EXPECT_EQ(unnamed.error().status, Status::kUsage);
-  auto first = std::move(Subscriber::create(small_config(), link).value());
-  const auto second = Subscriber::create(small_config(), link);
+  auto first = std::move(Subscriber::create(small_subscriber(), link).value());
+  const auto second = Subscriber::create(small_subscriber(), link);
   ASSERT_FALSE(second.ok());
   EXPECT_EQ(second.error().status, Status::kBadConfig);
 }
 
 TEST(Subscriber, UnknownKeysAreCountedOnTheirStream) {
   const auto link = memory_link();
-  auto subscriber = std::move(Subscriber::create(small_config(), link).value());
+  auto subscriber = std::move(Subscriber::create(small_subscriber(), link).value());
   std::vector<std::uint8_t> message(200);
   std::size_t size = 0;
   ASSERT_EQ(encode_envelope(fake_packet(slice_info(5, 2, 0, 0, 1)), message, size), Status::kOk);

@@ -2,6 +2,7 @@
 // hold, and sizes that stay where they were promised.
 #include "tests/apps/planecast/command_runner.hpp"
 #include "tests/support/data_path.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace planecast::test {
 namespace {

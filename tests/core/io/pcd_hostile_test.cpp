@@ -41,13 +41,13 @@ TEST(PcdHostile, TheUnpatchedFileIsGood) {
   EXPECT_TRUE(read_pcd(folder.file("a.pcd", kGood)).ok());
 }
 
-struct Lie {
+struct PcdLie {
   std::string from;
   std::string to;
   std::string message;
 };
 
-class PcdHeaderLies : public testing::TestWithParam<Lie> {};
+class PcdHeaderLies : public testing::TestWithParam<PcdLie> {};
 
 TEST_P(PcdHeaderLies, AreRefusedByName) {
   const TempFolder folder;
@@ -62,34 +62,37 @@ TEST_P(PcdHeaderLies, AreRefusedByName) {
 INSTANTIATE_TEST_SUITE_P(
     Each, PcdHeaderLies,
     testing::Values(
-        Lie{"POINTS 2", "POINTS 4000000000", "limit"},
-        Lie{"POINTS 2", "POINTS 3", "is not POINTS 3"},
-        Lie{"POINTS 2", "POINTS 99999999999999999999999", "64 bits"},
-        Lie{"POINTS 2", "POINTS 4e9", "whole number"}, Lie{"POINTS 2", "POINTS -2", "whole number"},
-        Lie{"WIDTH 2\nHEIGHT 1", "WIDTH 67108864\nHEIGHT 67108864", "is not POINTS"},
-        Lie{"WIDTH 2\nHEIGHT 1", "WIDTH 4294967296\nHEIGHT 4294967296", "limit"},
-        Lie{"WIDTH 2\nHEIGHT 1", "WIDTH -1\nHEIGHT -2", "line 6"},
-        Lie{"WIDTH 2", "WIDTH 0", "is not POINTS 2"},
-        Lie{"HEIGHT 1", "HEIGHT 0", "is not POINTS 2"},
-        Lie{"WIDTH 2\nHEIGHT 1\n", "HEIGHT 2\n", "is not POINTS 2"},
-        Lie{"SIZE 4 4 4", "SIZE 4 4 3", "SIZE"}, Lie{"SIZE 4 4 4", "SIZE 4 4 2", "SIZE 2"},
-        Lie{"SIZE 4 4 4", "SIZE 4 4", "SIZE has 2 entries"},
-        Lie{"SIZE 4 4 4", "SIZE 4 4 0", "SIZE"}, Lie{"SIZE 4 4 4", "SIZE 4 4 -4", "SIZE"},
-        Lie{"TYPE F F F", "TYPE F F U", "TYPE U"}, Lie{"TYPE F F F", "TYPE F F Q", "'Q'"},
-        Lie{"TYPE F F F", "TYPE F F F F", "TYPE has 4"},
-        Lie{"COUNT 1 1 1", "COUNT 1 1 2", "COUNT 2"}, Lie{"COUNT 1 1 1", "COUNT 1 1 0", "COUNT"},
-        Lie{"COUNT 1 1 1", "COUNT 4294967295 1 1", "COUNT"},
-        Lie{"COUNT 1 1 1", "COUNT 1048576 1048576 1048576", "bytes"},
-        Lie{"FIELDS x y z", "FIELDS x y w", "z is missing"},
-        Lie{"FIELDS x y z", "FIELDS x x z", "more than once"},
-        Lie{"FIELDS x y z", "FIELDS", "FIELDS"}, Lie{"FIELDS x y z\n", "", "FIELDS is missing"},
-        Lie{"VERSION 0.7", "VERSION 0.8", "0.8"}, Lie{"VERSION 0.7", "VERSION", "version"},
-        Lie{"VERSION 0.7", "PNG", "not known"},
-        Lie{"VERSION 0.7", "VERSION 0.7\nVERSION 0.7", "twice"},
-        Lie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0", "VIEWPOINT"},
-        Lie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0 0 0 0 0", "VIEWPOINT"},
-        Lie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT nan 0 0 1 0 0 0", "VIEWPOINT"},
-        Lie{"DATA ", "DATA zip_", "zip_"}));
+        PcdLie{"POINTS 2", "POINTS 4000000000", "limit"},
+        PcdLie{"POINTS 2", "POINTS 3", "is not POINTS 3"},
+        PcdLie{"POINTS 2", "POINTS 99999999999999999999999", "64 bits"},
+        PcdLie{"POINTS 2", "POINTS 4e9", "whole number"},
+        PcdLie{"POINTS 2", "POINTS -2", "whole number"},
+        PcdLie{"WIDTH 2\nHEIGHT 1", "WIDTH 67108864\nHEIGHT 67108864", "is not POINTS"},
+        PcdLie{"WIDTH 2\nHEIGHT 1", "WIDTH 4294967296\nHEIGHT 4294967296", "limit"},
+        PcdLie{"WIDTH 2\nHEIGHT 1", "WIDTH -1\nHEIGHT -2", "line 6"},
+        PcdLie{"WIDTH 2", "WIDTH 0", "is not POINTS 2"},
+        PcdLie{"HEIGHT 1", "HEIGHT 0", "is not POINTS 2"},
+        PcdLie{"WIDTH 2\nHEIGHT 1\n", "HEIGHT 2\n", "is not POINTS 2"},
+        PcdLie{"SIZE 4 4 4", "SIZE 4 4 3", "SIZE"}, PcdLie{"SIZE 4 4 4", "SIZE 4 4 2", "SIZE 2"},
+        PcdLie{"SIZE 4 4 4", "SIZE 4 4", "SIZE has 2 entries"},
+        PcdLie{"SIZE 4 4 4", "SIZE 4 4 0", "SIZE"}, PcdLie{"SIZE 4 4 4", "SIZE 4 4 -4", "SIZE"},
+        PcdLie{"TYPE F F F", "TYPE F F U", "TYPE U"}, PcdLie{"TYPE F F F", "TYPE F F Q", "'Q'"},
+        PcdLie{"TYPE F F F", "TYPE F F F F", "TYPE has 4"},
+        PcdLie{"COUNT 1 1 1", "COUNT 1 1 2", "COUNT 2"},
+        PcdLie{"COUNT 1 1 1", "COUNT 1 1 0", "COUNT"},
+        PcdLie{"COUNT 1 1 1", "COUNT 4294967295 1 1", "COUNT"},
+        PcdLie{"COUNT 1 1 1", "COUNT 1048576 1048576 1048576", "bytes"},
+        PcdLie{"FIELDS x y z", "FIELDS x y w", "z is missing"},
+        PcdLie{"FIELDS x y z", "FIELDS x x z", "more than once"},
+        PcdLie{"FIELDS x y z", "FIELDS", "FIELDS"},
+        PcdLie{"FIELDS x y z\n", "", "FIELDS is missing"},
+        PcdLie{"VERSION 0.7", "VERSION 0.8", "0.8"}, PcdLie{"VERSION 0.7", "VERSION", "version"},
+        PcdLie{"VERSION 0.7", "PNG", "not known"},
+        PcdLie{"VERSION 0.7", "VERSION 0.7\nVERSION 0.7", "twice"},
+        PcdLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0", "VIEWPOINT"},
+        PcdLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0 0 0 0 0", "VIEWPOINT"},
+        PcdLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT nan 0 0 1 0 0 0", "VIEWPOINT"},
+        PcdLie{"DATA ", "DATA zip_", "zip_"}));
 
 TEST(PcdHostile, AsciiLinesMustBeWhole) {
   const TempFolder folder;

@@ -119,13 +119,13 @@ TEST(Ply, HeaderWithWindowsLineEndsIsRead) {
   EXPECT_TRUE(same_points(cloud->points, {{1, 2, 3}}));
 }
 
-struct Lie {
+struct PlyLie {
   std::string from;
   std::string to;
   std::string message;
 };
 
-class PlyHeaderLies : public testing::TestWithParam<Lie> {};
+class PlyHeaderLies : public testing::TestWithParam<PlyLie> {};
 
 TEST_P(PlyHeaderLies, AreRefusedByNameInAllEncodings) {
   const TempFolder folder;
@@ -137,24 +137,23 @@ TEST_P(PlyHeaderLies, AreRefusedByNameInAllEncodings) {
 
 INSTANTIATE_TEST_SUITE_P(
     Each, PlyHeaderLies,
-    testing::Values(Lie{"vertex 2", "vertex 4000000000", "limit"},
-                    Lie{"vertex 2", "vertex 60000000", "too short"},
-                    Lie{"vertex 2", "vertex 1", ""}, Lie{"vertex 2", "vertex -2", "line 8"},
-                    Lie{"vertex 2", "vertex 2e0", "whole number"},
-                    Lie{"face 1", "face 18446744073709551615", "too short"},
-                    Lie{"face 1", "face 99999999999999999999", "whole number"},
-                    Lie{"face 1", "face 2", ""}, Lie{"face 1", "face 0", "after the last element"},
-                    Lie{"element vertex", "element points", "no vertex"},
-                    Lie{"element face", "element vertex", "two vertex"},
-                    Lie{"property float z", "property float w", "property z"},
-                    Lie{"property float z", "property list uchar float z", "property z"},
-                    Lie{"property float z", "property float x", "property x"},
-                    Lie{"property float z", "property half z", "property 'z'"},
-                    Lie{"property float z", "property float", "type and a name"},
-                    Lie{"list uchar int", "list float int", "'ids'"},
-                    Lie{"element camera 1\n", "", "before any element"},
-                    Lie{" 1.0", " 2.0", "'2.0'"}, Lie{"format ", "form ", "'form'"},
-                    Lie{"ply\n", "plx\n", "start with 'ply'"}));
+    testing::Values(
+        PlyLie{"vertex 2", "vertex 4000000000", "limit"},
+        PlyLie{"vertex 2", "vertex 60000000", "too short"}, PlyLie{"vertex 2", "vertex 1", ""},
+        PlyLie{"vertex 2", "vertex -2", "line 8"}, PlyLie{"vertex 2", "vertex 2e0", "whole number"},
+        PlyLie{"face 1", "face 18446744073709551615", "too short"},
+        PlyLie{"face 1", "face 99999999999999999999", "whole number"},
+        PlyLie{"face 1", "face 2", ""}, PlyLie{"face 1", "face 0", "after the last element"},
+        PlyLie{"element vertex", "element points", "no vertex"},
+        PlyLie{"element face", "element vertex", "two vertex"},
+        PlyLie{"property float z", "property float w", "property z"},
+        PlyLie{"property float z", "property list uchar float z", "property z"},
+        PlyLie{"property float z", "property float x", "property x"},
+        PlyLie{"property float z", "property half z", "property 'z'"},
+        PlyLie{"property float z", "property float", "type and a name"},
+        PlyLie{"list uchar int", "list float int", "'ids'"},
+        PlyLie{"element camera 1\n", "", "before any element"}, PlyLie{" 1.0", " 2.0", "'2.0'"},
+        PlyLie{"format ", "form ", "'form'"}, PlyLie{"ply\n", "plx\n", "start with 'ply'"}));
 
 TEST(Ply, NegativeAndHugeListLengthsAreRefused) {
   const TempFolder folder;

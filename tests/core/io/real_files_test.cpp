@@ -9,6 +9,7 @@
 #include "core/io/point_file.hpp"
 #include "tests/core/io/io_test_support.hpp"
 #include "tests/support/data_path.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace planecast {
 namespace {

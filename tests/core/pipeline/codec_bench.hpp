@@ -18,14 +18,9 @@
 #include "core/pipeline/encoder.hpp"
 #include "core/sim/sim_room.hpp"
 #include "core/wire/key_packet.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace planecast::test {
-
-#ifdef PLANECAST_SANITIZED
-inline constexpr bool kSanitized = true;
-#else
-inline constexpr bool kSanitized = false;
-#endif
 
 /// The simulator's sensor as a lossless stream; `first` decides on the lattice.
 inline StreamConfig stream_of(const RoomSimulator& simulator,

@@ -16,7 +16,7 @@ using namespace test;
 
 // Planted behaviour: called on each stage's thread once it is armed.
 void (*planted)(const char* name) = nullptr;
-void* volatile sink = nullptr;
+void* volatile codec_sink = nullptr;
 std::mutex held;
 
 void arm_stage(const char* name) {
@@ -114,7 +114,7 @@ class CodecGuard : public testing::Test {
 
 TEST_F(CodecGuard, CatchesAnAllocationPlantedOnEachStagesThread) {
   PLANECAST_NEED_HEAP_GUARD();
-  const HeapGuardTotals totals = run_planted([](const char*) { sink = std::malloc(8); });
+  const HeapGuardTotals totals = run_planted([](const char*) { codec_sink = std::malloc(8); });
   EXPECT_EQ(totals.allocations, 5U);  // four stages and the thread that helps to pack
   EXPECT_EQ(totals.sum(), 5U);
   EXPECT_EQ(HeapGuard::first_offender().find("malloc on thread '"), 0U);

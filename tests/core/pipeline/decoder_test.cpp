@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 
 #include "core/pipeline/frame_team.hpp"
 #include "tests/core/pipeline/codec_bench.hpp"
@@ -16,7 +17,7 @@ using namespace test;
 
 constexpr DecoderConfig kSmall{{96, 72}};
 
-const SimStream& small_stream() {
+const SimStream& decoder_stream() {
   static const SimStream stream = sim_stream(96, 72, 6);
   return stream;
 }
@@ -28,13 +29,13 @@ struct Recording {
   Source source;
 
   explicit Recording(const StreamCase& c, std::size_t slice_bytes = 1190, std::uint32_t session = 7)
-      : source(small_stream(), c) {
-    EncoderConfig config = encoder_config(small_stream(), c);
+      : source(decoder_stream(), c) {
+    EncoderConfig config = encoder_config(decoder_stream(), c);
     config.stages.slice_bytes = slice_bytes;
     config.stream.session = session;
     const auto encoder = make_encoder(config);
     key = key_of(*encoder);
-    frames = encode_frames(*encoder, source, 0, small_stream().frames.size());
+    frames = encode_frames(*encoder, source, 0, decoder_stream().frames.size());
   }
 };
 
@@ -51,7 +52,7 @@ TEST(Decoder, UsesExactlyTheMemoryItToldAndRefusesOneByteLess) {
   const Recording lossless(kStreamCases[0]);
   ASSERT_EQ((*decoder)->set_key(lossless.key), Status::kOk);
   decode_frame(**decoder, lossless.frames[0]);
-  EXPECT_TRUE(std::ranges::equal((*decoder)->depth(), small_stream().frames[0]));
+  EXPECT_TRUE(std::ranges::equal((*decoder)->depth(), decoder_stream().frames[0]));
 
   const auto refused = Decoder::create(kSmall, block.first(bytes - 1));
   ASSERT_FALSE(refused.ok());
@@ -93,7 +94,7 @@ TEST(Decoder, BeforeTheFirstKeyEverythingIsAnUnknownKey) {
   EXPECT_TRUE(decoder->cloud().empty());
   ASSERT_EQ(decoder->set_key(recording.key), Status::kOk);
   decode_frame(*decoder, recording.frames[0]);
-  EXPECT_TRUE(std::ranges::equal(decoder->depth(), small_stream().frames[0]));
+  EXPECT_TRUE(std::ranges::equal(decoder->depth(), decoder_stream().frames[0]));
 }
 
 TEST(Decoder, RefusesStreamsLargerThanItsMemoryAndGoesOnWithTheOldOne) {
@@ -110,7 +111,7 @@ TEST(Decoder, RefusesStreamsLargerThanItsMemoryAndGoesOnWithTheOldOne) {
   EXPECT_EQ(decoder->set_key(key_of(*large)), Status::kFrameTooLarge);
   ASSERT_TRUE(decoder->ready());
   decode_frame(*decoder, recording.frames[1]);
-  EXPECT_TRUE(std::ranges::equal(decoder->depth(), small_stream().frames[1]));
+  EXPECT_TRUE(std::ranges::equal(decoder->depth(), decoder_stream().frames[1]));
 }
 
 TEST(Decoder, FollowsAKeyThatChangesMidStreamAndCountsTheOldOnesSlices) {
@@ -132,7 +133,7 @@ TEST(Decoder, FollowsAKeyThatChangesMidStreamAndCountsTheOldOnesSlices) {
   // And back, with nothing left over.
   ASSERT_EQ(decoder->set_key(first.key), Status::kOk);
   decode_frame(*decoder, first.frames[2]);
-  EXPECT_TRUE(std::ranges::equal(decoder->depth(), small_stream().frames[2]));
+  EXPECT_TRUE(std::ranges::equal(decoder->depth(), decoder_stream().frames[2]));
 }
 
 TEST(Decoder, ARepeatedKeyInTheMiddleOfAFrameChangesNothing) {
@@ -145,7 +146,7 @@ TEST(Decoder, ARepeatedKeyInTheMiddleOfAFrameChangesNothing) {
     EXPECT_EQ(decoder->set_key(recording.key), Status::kOk);
   }
   EXPECT_EQ(decoder->finish(), Status::kOk);
-  EXPECT_TRUE(std::ranges::equal(decoder->depth(), small_stream().frames[0]));
+  EXPECT_TRUE(std::ranges::equal(decoder->depth(), decoder_stream().frames[0]));
 }
 
 class DecoderLoss : public testing::TestWithParam<StreamCase> {};
@@ -198,7 +199,7 @@ TEST(Decoder, DamagedAndForeignPacketsAreCountedAndTheOthersGoOn) {
   for (const auto& slice : slices) EXPECT_EQ(decoder->add(slice), Status::kOk);
   EXPECT_EQ(decoder->finish(), Status::kOk);
   EXPECT_EQ(decoder->counts().slices, slices.size());
-  EXPECT_TRUE(std::ranges::equal(decoder->depth(), small_stream().frames[0]));
+  EXPECT_TRUE(std::ranges::equal(decoder->depth(), decoder_stream().frames[0]));
 }
 
 TEST(Decoder, KeysThatAreNoneAreRefusedAndTheStreamGoesOn) {
@@ -216,11 +217,11 @@ TEST(Decoder, KeysThatAreNoneAreRefusedAndTheStreamGoesOn) {
   seal_packet(header, lying);
   EXPECT_EQ(decoder->set_key(lying), Status::kBadCheck);
   decode_frame(*decoder, recording.frames[3]);
-  EXPECT_TRUE(std::ranges::equal(decoder->depth(), small_stream().frames[3]));
+  EXPECT_TRUE(std::ranges::equal(decoder->depth(), decoder_stream().frames[3]));
 }
 
 TEST(Decoder, AFrameOfHolesAndAFrameOfOnePixelAreFrames) {
-  SimStream tiny = small_stream();
+  SimStream tiny = decoder_stream();
   tiny.config.camera.width = tiny.config.camera.height = 1;
   for (const StreamCase& c : kStreamCases) {
     const auto encoder = make_encoder(encoder_config(tiny, c));
@@ -289,7 +290,7 @@ TEST(Decoder, ATeamDecodesAsOneThreadDoesWhateverComes) {
     const auto shared = make_decoder({kSmall.limits, team.work()});
     ASSERT_EQ(alone->set_key(recording.key), Status::kOk);
     ASSERT_EQ(shared->set_key(recording.key), Status::kOk);
-    for (const Coded& frame : recording.frames) {
+    for (const Coded& frame : std::span(recording.frames).first(kSanitized ? 2 : 6)) {
       expect_same(*alone, *shared, frame.slices, c.name);
       Slices changed = frame.slices;
       changed[changed.size() / 2].clear();

@@ -11,12 +11,13 @@ namespace {
 
 using namespace test;
 
-constexpr std::uint64_t kFrames = kSanitized ? 24 : 200;
+constexpr std::uint64_t kFrames = kSanitized ? 12 : 200;
 constexpr std::uint64_t kListFrames =
-    kSanitized ? 8 : 20;  // surfaces of lists take a hundred times as long
+    kSanitized ? 4 : 20;  // surfaces of lists take a hundred times as long
 
 const SimStream& stream() {
-  static const SimStream stream = sim_stream(160, 120, kFrames);
+  static const SimStream stream =
+      kSanitized ? sim_stream(96, 72, kFrames) : sim_stream(160, 120, kFrames);
   return stream;
 }
 

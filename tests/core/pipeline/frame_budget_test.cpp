@@ -16,6 +16,10 @@ constexpr std::int64_t kMs = 1'000'000;
 std::int64_t fake_ns = 0;    // the time
 std::int64_t fake_step = 0;  // what every look at the clock takes
 
+SimStream budgeted_stream(std::uint64_t frames) {
+  return kSanitized ? sim_stream(80, 60, frames) : sim_stream(160, 120, frames);
+}
+
 std::int64_t fake_clock() noexcept {
   return fake_ns += fake_step;
 }
@@ -106,7 +110,7 @@ class BudgetedEncoder {
 };
 
 TEST(FrameBudget, FramesGetLessEffortAsTimeRunsOutAndAllOfItBack) {
-  const SimStream stream = sim_stream(160, 120, 1);
+  const SimStream stream = budgeted_stream(1);
   BudgetedEncoder encoder(stream, kStreamCases[2], 10);
   fake_step = 0;
   BudgetRun run;
@@ -129,7 +133,7 @@ TEST(FrameBudget, FramesGetLessEffortAsTimeRunsOutAndAllOfItBack) {
 }
 
 TEST(FrameBudget, EveryEffortKeepsTheBound) {
-  const SimStream stream = sim_stream(160, 120, 2);
+  const SimStream stream = budgeted_stream(2);
   for (const std::int64_t step : {std::int64_t{0}, kMs / 20, kMs / 5, kMs, 50 * kMs}) {
     BudgetedEncoder encoder(stream, kStreamCases[0], 10);
     fake_step = step;
@@ -142,7 +146,7 @@ TEST(FrameBudget, EveryEffortKeepsTheBound) {
 }
 
 TEST(FrameBudget, StreamsThatDropWhatIsOffTheSurfacesAlwaysHaveSome) {
-  const SimStream stream = sim_stream(160, 120, 1);
+  const SimStream stream = budgeted_stream(1);
   BudgetedEncoder encoder(stream, kStreamCases[4], 1);
   fake_step = 50 * kMs;
   for (std::uint64_t i = 0; i < 3; ++i) {

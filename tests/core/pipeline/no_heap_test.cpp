@@ -30,7 +30,7 @@ RunnerConfig guarded_config() {
 }
 
 // A store that the compiler cannot see through: a planted allocation must not be optimised away.
-void* volatile sink = nullptr;
+void* volatile runner_sink = nullptr;
 
 /// Runs `count` frames through four stages, `planted` being called by the second, and returns what
 /// the guard saw on the stages' threads.
@@ -80,7 +80,7 @@ TEST(HeapGuard, InlineRunOnTheCallersThreadDoesNothingForbidden) {
 
 TEST(HeapGuard, CatchesAPlantedMallocInAStageAndNamesThread) {
   PLANECAST_NEED_HEAP_GUARD();
-  const HeapGuardTotals totals = run_guarded(10, [] { sink = std::malloc(8); });
+  const HeapGuardTotals totals = run_guarded(10, [] { runner_sink = std::malloc(8); });
   EXPECT_EQ(totals.allocations, 10U);
   EXPECT_EQ(totals.sum(), 10U);
   const std::string offender = HeapGuard::first_offender();
@@ -101,13 +101,13 @@ TEST(HeapGuard, CatchesAPlantedFreeInAStage) {
 TEST(HeapGuard, CatchesNewAlignedNewCallocReallocAndMemalign) {
   PLANECAST_NEED_HEAP_GUARD();
   const HeapGuardTotals totals = run_guarded(1, [] {
-    sink = ::operator new(8);
-    sink = ::operator new (64, std::align_val_t{64});
-    sink = std::calloc(1, 8);
-    sink = std::realloc(nullptr, 8);
-    sink = std::aligned_alloc(64, 64);
+    runner_sink = ::operator new(8);
+    runner_sink = ::operator new (64, std::align_val_t{64});
+    runner_sink = std::calloc(1, 8);
+    runner_sink = std::realloc(nullptr, 8);
+    runner_sink = std::aligned_alloc(64, 64);
     void* block = nullptr;
-    if (posix_memalign(&block, 64, 64) == 0) sink = block;
+    if (posix_memalign(&block, 64, 64) == 0) runner_sink = block;
   });
   EXPECT_EQ(totals.allocations, 6U) << HeapGuard::first_offender();
 }
@@ -117,7 +117,7 @@ TEST(HeapGuard, CatchesAPlantedMapping) {
   const HeapGuardTotals totals = run_guarded(1, [] {
     void* at = mmap(nullptr, 4096, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     munmap(at, 4096);
-    sink = sbrk(0);
+    runner_sink = sbrk(0);
   });
   EXPECT_EQ(totals.maps, 3U);
 }
@@ -191,13 +191,13 @@ TEST(HeapGuard, CatchesAWaitOnAConditionThatAnotherThreadSignals) {
 TEST(HeapGuard, UnarmedThreadsAreFree) {
   PLANECAST_NEED_HEAP_GUARD();
   HeapGuard::reset();
-  sink = std::malloc(8);
+  runner_sink = std::malloc(8);
   std::this_thread::sleep_for(std::chrono::nanoseconds(1));
   EXPECT_EQ(HeapGuard::totals().sum(), 0U);
   HeapGuard::arm_this_thread("main");
-  sink = std::malloc(8);
+  runner_sink = std::malloc(8);
   HeapGuard::disarm_this_thread();
-  sink = std::malloc(8);
+  runner_sink = std::malloc(8);
   EXPECT_EQ(HeapGuard::totals().allocations, 1U);
   EXPECT_EQ(HeapGuard::this_thread().allocations, 1U);
 }

@@ -14,7 +14,7 @@
 namespace planecast {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kHole = std::numeric_limits<float>::quiet_NaN();
 
 PointCloud cloud_of(const std::function<float(int)>& z_of_count) {
   Pcg32 random(1);
@@ -23,7 +23,7 @@ PointCloud cloud_of(const std::function<float(int)>& z_of_count) {
   cloud.height = 100;
   for (int i = 0; i < 20000; ++i) {
     const int count = 300 + static_cast<int>(random.below(8000));
-    cloud.points.push_back(i % 7 == 0 ? Point3f{kNan, kNan, kNan}
+    cloud.points.push_back(i % 7 == 0 ? Point3f{kHole, kHole, kHole}
                                       : Point3f{0, 0, z_of_count(count)});
   }
   return cloud;
@@ -81,7 +81,7 @@ TEST(ZGrid, OneValueOffByOneBitIsNoGrid) {
 }
 
 TEST(ZGrid, NothingIsProvenByHolesNegativesOrLargeValues) {
-  EXPECT_FALSE(find_z_grid(cloud_of([](int) { return kNan; })).has_value());
+  EXPECT_FALSE(find_z_grid(cloud_of([](int) { return kHole; })).has_value());
   EXPECT_FALSE(
       find_z_grid(cloud_of([](int k) { return static_cast<float>(k * -0.001); })).has_value());
   EXPECT_FALSE(find_z_grid(cloud_of([](int) { return 0.0F; })).has_value());

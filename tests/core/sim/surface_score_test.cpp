@@ -8,20 +8,20 @@
 namespace planecast {
 namespace {
 
-constexpr std::uint16_t kWidth = 40, kHeight = 40;
+constexpr std::uint16_t kSide = 40;
 
 struct Scene {
   std::vector<std::int32_t> x, y;
   RayTable rays;
-  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(kWidth * kHeight, 1);
-  std::vector<std::uint8_t> labels = std::vector<std::uint8_t>(kWidth * kHeight, 1);
+  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(kSide * kSide, 1);
+  std::vector<std::uint8_t> labels = std::vector<std::uint8_t>(kSide * kSide, 1);
   std::vector<TruthSurface> truth;
   std::vector<FoundSurface> found;
 
   Scene() {
-    for (int i = 0; i < kWidth; ++i) x.push_back((i - 20) << 20);
-    for (int i = 0; i < kHeight; ++i) y.push_back((i - 20) << 20);
-    rays = {kWidth, kHeight, true, x, y};
+    for (int i = 0; i < kSide; ++i) x.push_back((i - 20) << 20);
+    for (int i = 0; i < kSide; ++i) y.push_back((i - 20) << 20);
+    rays = {kSide, kSide, true, x, y};
     TruthSurface wall;
     wall.normal = {0, 0, 1};
     wall.distance = 2;
@@ -31,7 +31,7 @@ struct Scene {
     truth = {wall, slope};
     found = {{0, 0, 0.5}, {0.375, 0, 0.5}};
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      if (i % kWidth < 20) ids[i] = labels[i] = 2;
+      if (i % kSide < 20) ids[i] = labels[i] = 2;
     }
   }
   SurfaceScore score(const ScoreOptions& options = {}) const {
@@ -56,7 +56,7 @@ TEST(SurfaceScore, MissesASurfaceThatPointsElsewhere) {
 TEST(SurfaceScore, MissesSurfacesThatOverlapTooLittleEitherWay) {
   Scene scene;
   for (std::size_t i = 0; i < scene.labels.size(); ++i) {
-    if (i % kWidth < 25) scene.labels[i] = 2;  // a quarter too much: 0.8 of it is right, 0.75 of 1
+    if (i % kSide < 25) scene.labels[i] = 2;  // a quarter too much: 0.8 of it is right, 0.75 of 1
   }
   EXPECT_EQ(scene.score().matched, 1U);
   for (std::uint8_t& label : scene.labels) label = 2;

@@ -7,6 +7,7 @@
 #include "core/sim/sim_room.hpp"
 #include "core/wire/mix_bit.hpp"
 #include "tests/core/wire/wire_bench.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace planecast {
 namespace {
@@ -61,6 +62,7 @@ std::size_t bytes_of(const Scene& scene, bool best, std::size_t slice_bytes) {
 }
 
 TEST(MixTile, CostsLessThanFastUnderEveryContract) {
+  PLANECAST_NEED_SPEED();
   for (const auto kind : {ToleranceKind::kLossless, ToleranceKind::kMetres, ToleranceKind::kSigma,
                           ToleranceKind::kSurfaces}) {
     SCOPED_TRACE(static_cast<int>(kind));

@@ -20,6 +20,14 @@ inline constexpr const char* kReceiverThreads = "subscriber,receive,unpack2";
 /// Helps to pack depth frames.
 inline constexpr const char* kPackHelper = ",pack2";
 
+/// The words of a command line, and those that follow.
+using Words = std::vector<std::string>;
+
+inline Words operator+(Words a, const Words& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 /// Counts of one thread by name: "allocations", "writes", "minor_faults", ...
 using ThreadCounts = std::map<std::string, long long>;
 

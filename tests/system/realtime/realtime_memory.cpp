@@ -10,13 +10,8 @@ namespace {
 using test::Child;
 using test::Guarded;
 using test::number_after;
-
-using Words = std::vector<std::string>;
-
-Words operator+(Words a, const Words& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
+using test::operator+;
+using test::Words;
 
 const Words kConfigs[] = {
     {"sim:room:2"},

@@ -17,6 +17,7 @@ using test::GuardReport;
 using test::kDaemonThreads;
 using test::kReceiverThreads;
 using test::number_after;
+using test::operator+;
 using test::ThreadCounts;
 
 /// Frames that must come out of the daemon: a thousand, or what PLANECAST_REALTIME_FRAMES says.
@@ -57,11 +58,6 @@ void expect_clean(const GuardReport& report, const std::string& threads, bool ju
     for (const std::string& what : forbidden)
       EXPECT_EQ(counts.at(what), 0) << what << " on thread " << name << "\n" << report.offender;
   }
-}
-
-std::vector<std::string> operator+(std::vector<std::string> a, const std::vector<std::string>& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
 }
 
 /// Waits until the receiver says that it listens.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/sensor/sensor_preset.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace planecast {
 namespace {

@@ -28,9 +28,9 @@ namespace {
 
 using test::fake_packet;
 using test::key_info;
+using test::kSecond;
 using test::slice_info;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::uint16_t kSlices = 60;
 
 /// While positive, the receiving thread is held up in its callback.

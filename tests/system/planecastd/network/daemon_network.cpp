@@ -27,6 +27,8 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 // A frame takes seconds under a thread sanitizer.
 #if defined(__SANITIZE_THREAD__)
 constexpr std::uint32_t kFrames = 4;
+#elif defined(PLANECAST_SANITIZED)
+constexpr std::uint32_t kFrames = 10;
 #else
 constexpr std::uint32_t kFrames = 30;
 #endif
