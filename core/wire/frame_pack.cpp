@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "core/wire/frame_pack_cost.hpp"
+#include "core/wire/frame_pack_job.hpp"
 
 namespace planecast {
 namespace {
 
-constexpr double kTileHeadBits = 120;
-constexpr double kFill = 7.2;  // bits planned for each byte of a slice
+constexpr double kFill = 7.2;  // bits planned for each byte of a slice whose tile must fit whole
 // Against a deadline a tile that is coded by runs, or at an unknown pace, is no more than this
 // share of a frame, and a tile may take this much longer than those before it.
 constexpr std::uint32_t kDeadlineTiles = 32;
@@ -22,35 +22,6 @@ std::uint32_t ceil_blocks(std::uint32_t pixels) noexcept {
 }
 
 }  // namespace
-
-// What is fixed for the time of one call of pack().
-struct FramePacker::Job {
-  const CodingTables& tables;
-  const FrameModel& frame;
-  std::size_t slice_bytes;
-  std::span<std::uint8_t> out;
-  std::span<SlicePlace> places;
-  FrameReport& report;
-  const WorkTeam& team;
-  bool one_slice = false;  ///< any frame fits: nothing to estimate
-  PackDeadline deadline = {};
-  std::uint32_t blocks = 0;
-  FramePacker* packer = nullptr;
-  std::uint32_t part_count = 0;
-  std::array<Part, kMaxFrameParts>* parts = nullptr;
-};
-
-// A rectangle that one worker packs, into room of its own.
-struct FramePacker::Part {
-  const Job* job = nullptr;
-  TileRect rect = {};
-  TilePacker* tiles = nullptr;
-  std::span<std::uint8_t> out = {};
-  std::span<SlicePlace> places = {};
-  FrameReport report = {};
-  PackMoments moments = {};
-  Status status = Status::kOk;
-};
 
 std::size_t frame_capacity(std::uint32_t width, std::uint32_t height) noexcept {
   const std::size_t blocks = std::size_t{ceil_blocks(width)} * ceil_blocks(height);
@@ -113,12 +84,8 @@ Status FramePacker::pack_whole(Job& job) noexcept {
   job.report = {};
   job.report.surfaces = static_cast<std::uint32_t>(job.frame.surfaces.size());
   job.part_count = 0;
+  plan_parts(job);
   const CameraModel& camera = job.tables.config->camera;
-  // A deadline is kept by looking back at the whole frame so far.
-  const std::uint32_t depth = job.one_slice || job.deadline.clock != nullptr
-                                  ? 0
-                                  : static_cast<std::uint32_t>(std::bit_width(kMaxFrameParts)) - 1;
-  cut(job, {0, 0, blocks_wide(camera), blocks_high(camera)}, depth);
   const bool roomy = job.out.size() >= frame_capacity(camera.width, camera.height) &&
                      job.places.size() >= job.blocks;
   if (job.team.shared() && job.part_count > 1 && roomy) {
@@ -127,19 +94,6 @@ Status FramePacker::pack_whole(Job& job) noexcept {
     pack_alone(job);
   }
   return join(job);
-}
-
-// The first cuts that pack_rect() would make, down to `depth`.
-void FramePacker::cut(Job& job, const TileRect& rect, std::uint32_t depth) const noexcept {
-  const bool single = rect.bw == 1 && rect.bh == 1;
-  if (depth == 0 || single || (small_enough(job, rect, false) && likely_fits(job, rect, false))) {
-    Part& part = (*job.parts)[job.part_count++];
-    part = {};
-    part.job = &job;
-    part.rect = rect;
-    return;
-  }
-  for (const TileRect& half : halves(job, rect)) cut(job, half, depth - 1);
 }
 
 void FramePacker::pack_shared(Job& job) noexcept {
@@ -159,7 +113,7 @@ void FramePacker::pack_shared(Job& job) noexcept {
         auto& whole = *static_cast<Job*>(self);
         Part& part = (*whole.parts)[i];
         part.tiles = &whole.packer->tiles_[worker];
-        part.status = whole.packer->pack_rect(part, part.rect);
+        part.status = whole.packer->pack_part(part);
       },
       &job);
 }
@@ -171,7 +125,7 @@ void FramePacker::pack_alone(Job& job) noexcept {
     part.tiles = tiles_.data();
     part.out = job.out.subspan(offset);
     part.places = job.places.subspan(place);
-    part.status = pack_rect(part, part.rect);
+    part.status = pack_part(part);
     if (part.status != Status::kOk) return;
     offset += part.report.bytes;
     place += part.report.slices;
@@ -298,33 +252,42 @@ Status FramePacker::pack_rect(Part& part, const TileRect& rect) noexcept {
   if (!single && !(small_enough(job, rect, late) && likely_fits(job, rect, late)))
     return pack_halves(part, rect);
 
+  TileReport tile;
+  const Status status = pack_slice(part, rect, late, {}, tile);
+  return status == Status::kTooLarge && !single ? pack_halves(part, rect) : status;
+}
+
+// One slice more: all of `rect`, or as much of it as `fill` allows.
+Status FramePacker::pack_slice(Part& part, const TileRect& rect, bool by_runs, const TileFill& fill,
+                               TileReport& tile) noexcept {
+  const Job& job = *part.job;
   FrameReport& report = part.report;
   if (report.slices >= part.places.size()) return Status::kTooLarge;
   const auto offset = static_cast<std::uint32_t>(report.bytes);
-  TileReport tile;
-  const Status status = pack_tile(part, rect, late, tile);
-  if (status == Status::kTooLarge && !single) return pack_halves(part, rect);
+  const Status status = pack_tile(part, rect, by_runs, fill, tile);
   if (status != Status::kOk) return status;
   const auto bytes = static_cast<std::uint32_t>(kPacketHeaderBytes + tile.bytes);
   part.places[report.slices++] = {offset, bytes};
   report.bytes += bytes;
   report.points += tile.points;
   report.corrections += tile.corrections;
-  report.run_tiles += late ? 1 : 0;
+  report.run_tiles += by_runs ? 1 : 0;
   if (job.one_slice) return Status::kOk;
   const double bits = static_cast<double>(tile.bytes) * 8 - kTileHeadBits;
-  if (late) {
-    const double ratio = bits / std::max(estimate(job, rect), 1.0);
+  TileRect coded = rect;
+  coded.bh = tile.rows;
+  if (by_runs) {
+    const double ratio = bits / std::max(estimate(job, coded), 1.0);
     run_scale_ += (std::clamp(ratio, 1.0, 64.0) - run_scale_) / 16;
     return Status::kOk;
   }
-  const auto [off, on] = costs(job, rect);
+  const auto [off, on] = costs(job, coded);
   part.moments.add(off, on, bits);
   return Status::kOk;
 }
 
 // Codes a tile into the room that is left for its slice; measures how long, against a deadline.
-Status FramePacker::pack_tile(Part& part, const TileRect& rect, bool by_runs,
+Status FramePacker::pack_tile(Part& part, const TileRect& rect, bool by_runs, const TileFill& fill,
                               TileReport& tile) noexcept {
   const Job& job = *part.job;
   const std::size_t body = part.report.bytes + kPacketHeaderBytes;
@@ -334,12 +297,12 @@ Status FramePacker::pack_tile(Part& part, const TileRect& rect, bool by_runs,
   const auto clock = job.deadline.clock;
   const std::int64_t begin = clock != nullptr ? clock() : 0;
   const Status status = by_runs ? part.tiles->pack_runs(job.tables, job.frame, rect, into, tile)
-                                : part.tiles->pack(job.tables, job.frame, rect, into, tile);
+                                : part.tiles->pack(job.tables, job.frame, rect, into, tile, fill);
   if (clock == nullptr) return status;
   PackPace& pace = part.report.pace;
   (by_runs ? pace.runs_ns : pace.modelled_ns) += clock() - begin;
   if (status == Status::kOk)
-    (by_runs ? pace.run_blocks : pace.modelled_blocks) += rect.bw * rect.bh;
+    (by_runs ? pace.run_blocks : pace.modelled_blocks) += rect.bw * tile.rows;
   return status;
 }
 

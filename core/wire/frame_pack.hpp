@@ -98,7 +98,11 @@ class FramePacker {
   std::array<double, 2> costs(const Job& job, const TileRect& rect) const noexcept;
   double estimate(const Job& job, const TileRect& rect) const noexcept;
   Status pack_whole(Job& job) noexcept;
-  void cut(Job& job, const TileRect& rect, std::uint32_t depth) const noexcept;
+  void plan_parts(Job& job) const noexcept;
+  Status pack_part(Part& part) noexcept;
+  Status pack_column(Part& part, TileRect rest) noexcept;
+  Status pack_slice(Part& part, const TileRect& rect, bool by_runs, const TileFill& fill,
+                    TileReport& tile) noexcept;
   void pack_shared(Job& job) noexcept;
   void pack_alone(Job& job) noexcept;
   Status join(Job& job) const noexcept;
@@ -110,7 +114,8 @@ class FramePacker {
   bool likely_fits(const Job& job, const TileRect& rect, bool by_runs) const noexcept;
   std::array<TileRect, 2> halves(const Job& job, const TileRect& rect) const noexcept;
   Status pack_rect(Part& part, const TileRect& rect) noexcept;
-  Status pack_tile(Part& part, const TileRect& rect, bool by_runs, TileReport& tile) noexcept;
+  Status pack_tile(Part& part, const TileRect& rect, bool by_runs, const TileFill& fill,
+                   TileReport& tile) noexcept;
   Status pack_halves(Part& part, const TileRect& rect) noexcept;
 
   std::array<TilePacker, kMaxTeamWorkers> tiles_;

@@ -16,7 +16,9 @@ struct MixWriter {
   static constexpr bool kEncodes = true;
   RangeEncoder coder;
   const FrameModel& frame;
+  FillGate gate;
   LocalSurfaces local = {};
+  std::uint32_t points = 0, corrections = 0;  ///< of the rows of blocks kept
 
   bool bit(BitModel& model, bool want) noexcept {
     coder.bit(model, want);
@@ -31,6 +33,16 @@ struct MixWriter {
     return want;
   }
   bool stopped() const noexcept { return coder.overflow(); }
+  bool begins_row(const MixJob& job, std::uint32_t row) noexcept {
+    return !gate.allowed() || row == 0 ||
+           (gate.likely(coder, row) && local.name_all(frame, job.tables, job.rect, row));
+  }
+  bool keeps_row(const MixJob& job) noexcept {
+    if (gate.allowed() && !gate.keep(coder)) return false;
+    points = job.points;
+    corrections = job.corrections;
+    return true;
+  }
 
   const std::uint16_t* depths(const MixJob& job, std::uint32_t v) const noexcept {
     return &frame.depth[std::size_t{job.span.v0 + v} * job.tables.config->camera.width +
@@ -120,20 +132,14 @@ std::uint16_t first_reading(const MixWriter& writer, const MixJob& job) noexcept
   return 0;
 }
 
-void code_head(MixWriter& writer, MixJob& job) noexcept {
+void code_head(MixWriter& writer, MixJob& job, std::uint32_t label_rows) noexcept {
   const CameraModel& camera = job.tables.config->camera;
   RangeEncoder& coder = writer.coder;
   coder.raw(kModelled, 1);
   code_rect(coder, camera, job.rect);
   coder.raw(kMixedTile, 1);
-  for (std::uint32_t by = 0; by < job.rect.bh; ++by) {
-    const BlockLabel* labels =
-        &writer.frame.blocks[std::size_t{job.rect.by + by} * blocks_wide(camera) + job.rect.bx];
-    for (std::uint32_t bx = 0; bx < job.rect.bw; ++bx) {
-      writer.local.use(labels[bx].first);
-      if (job.surfaces_kind) writer.local.use(labels[bx].second);
-    }
-  }
+  for (std::uint32_t row = 0; row < label_rows; ++row)
+    writer.local.use_row(writer.frame, job.tables, job.rect, row);
   const std::uint16_t first = first_reading(writer, job);
   job.begin_at(first);
   coder.raw(first, 16);
@@ -150,18 +156,24 @@ void code_head(MixWriter& writer, MixJob& job) noexcept {
 }  // namespace
 
 Status MixPacker::pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
-                       std::span<std::uint8_t> out, TileReport& report) noexcept {
+                       std::span<std::uint8_t> out, TileReport& report,
+                       const TileFill& fill) noexcept {
   MixJob job(tables, rect);
   // Counts as they are set the upper limit of what a tile may cost.
   const std::size_t verbatim_bytes =
       std::size_t{job.columns()} * (job.span.v1 - job.span.v0) * 2 + 8;
-  MixWriter writer{RangeEncoder(out.first(std::min(out.size(), verbatim_bytes))), frame};
-  code_head(writer, job);
+  const std::size_t room = std::min(out.size(), verbatim_bytes);
+  MixWriter writer{RangeEncoder(out.first(room)), frame, FillGate(fill, room)};
+  code_head(writer, job, fill.allowed() ? fill.planned : rect.bh);
   const Status status = MixTile<MixWriter>(job, scratch_, writer).code();
   if (status != Status::kOk) return status;
-  const std::size_t used = writer.coder.finish();
-  report = {used, job.points, job.corrections, false};
-  return writer.coder.overflow() ? Status::kTooLarge : Status::kOk;
+  std::size_t used = writer.coder.finish();
+  std::uint32_t rows = rect.bh;
+  if (fill.allowed()) rows = writer.gate.rows();
+  if (writer.coder.overflow() || rows == 0) return Status::kTooLarge;
+  if (rows != rect.bh) used = recode_height(out, used, tables.config->camera, rect.bh, rows);
+  report = {used, writer.points, writer.corrections, false, rows};
+  return Status::kOk;
 }
 
 }  // namespace planecast

@@ -9,6 +9,7 @@
 #include "core/base/status.hpp"
 #include "core/wire/mix_tile.hpp"
 #include "core/wire/tile_content.hpp"
+#include "core/wire/tile_fill.hpp"
 
 namespace planecast {
 
@@ -20,7 +21,7 @@ class MixPacker {
   /// Codes `rect` of the frame into `out`. kTooLarge when `out` is too small, or when counts as
   /// they are take no more (report.verbatim says so); otherwise kOk. No allocation.
   Status pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
-              std::span<std::uint8_t> out, TileReport& report) noexcept;
+              std::span<std::uint8_t> out, TileReport& report, const TileFill& fill = {}) noexcept;
 
  private:
   MixScratch scratch_;

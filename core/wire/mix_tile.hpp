@@ -18,7 +18,8 @@ namespace planecast {
 
 /// Codes (`Side` an encoder's) or reads the rows of blocks of one tile. `Side` has bit(model,
 /// want), bit_at(probability, want), raw(want, bits), which return what was coded; and, where it
-/// encodes, want_block(), want_plane() and want_pixel(); where it decodes, put().
+/// encodes, want_block(), want_plane(), want_pixel() and, of rows of blocks, whether begins_row()
+/// and keeps_row(); where it decodes, put().
 template <class Side>
 class MixTile {
  public:
@@ -31,12 +32,18 @@ class MixTile {
     scratch_.biases = {};
     for (BlendRow& row : scratch_.rows) row.clear(0, job_.rect.bw * 8 + BlendRow::kBorder);
     for (std::uint32_t row = 0; row < job_.rect.bh; ++row) {
+      if constexpr (Side::kEncodes) {
+        if (!side_.begins_row(job_, row)) break;
+      }
       for (std::uint32_t i = 0; i < job_.rect.bw; ++i) {
         if (const Status status = code_block(row, i); status != Status::kOk) return status;
       }
       const std::uint32_t end = std::min(row * 8 + 8, job_.span.v1 - job_.span.v0);
       for (std::uint32_t v = row * 8; v < end; ++v) {
         if (!code_row(v)) return Status::kBadSymbol;
+      }
+      if constexpr (Side::kEncodes) {
+        if (!side_.keeps_row(job_)) break;
       }
       if (side_.stopped()) break;
     }

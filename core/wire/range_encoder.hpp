@@ -74,6 +74,27 @@ class RangeEncoder {
     return used_;
   }
 
+  /// A place in the stream to go back to.
+  struct Mark {
+    std::size_t used = 0;
+    std::uint64_t low = 0, range = 0;
+    std::uint8_t last = 0;  ///< byte before it
+  };
+  Mark mark() const noexcept {
+    return {used_, low_, range_, used_ > 0 ? out_[used_ - 1] : std::uint8_t{0}};
+  }
+  /// Forgets what was written since `mark`; there was no overflow then.
+  void go_back(const Mark& mark) noexcept {
+    used_ = mark.used;
+    low_ = mark.low;
+    range_ = mark.range;
+    overflow_ = false;
+    if (used_ == 0 || out_[used_ - 1] == mark.last) return;
+    // One carry, never two, went back past the mark: it is taken off again.
+    for (std::size_t i = used_; i > 0 && out_[i - 1]-- == 0; --i) {
+    }
+  }
+
   bool overflow() const noexcept { return overflow_; }
   /// Bytes written so far; up to eight more are pending.
   std::size_t size() const noexcept { return used_; }

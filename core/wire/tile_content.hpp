@@ -16,6 +16,7 @@ struct TileReport {
   std::uint32_t points = 0;       ///< readings coded
   std::uint32_t corrections = 0;  ///< of them with a correction that is not zero
   bool verbatim = false;          ///< the models did not pay; counts are stored as they are
+  std::uint32_t rows = 0;         ///< rows of blocks coded: all of the rectangle, or as many as fit
 };
 
 /// What one tile held.

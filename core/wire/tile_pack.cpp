@@ -63,57 +63,75 @@ void TilePacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
 }
 
 Status TilePacker::pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
-                        std::span<std::uint8_t> out, TileReport& report) noexcept {
-  if (!tables.config->effort_best) return pack_plain(tables, frame, rect, out, report);
+                        std::span<std::uint8_t> out, TileReport& report,
+                        const TileFill& fill) noexcept {
+  if (!tables.config->effort_best) return pack_plain(tables, frame, rect, out, report, fill);
   // Whichever is smaller: blending loses where readings lie on levels that nobody told of.
   TileReport plain;
-  const Status status = pack_plain(tables, frame, rect, out, plain);
-  if (mix_.pack(tables, frame, rect, out, report) == Status::kOk &&
-      (status != Status::kOk || report.bytes <= plain.bytes)) {
+  const Status status = pack_plain(tables, frame, rect, out, plain, fill);
+  if (mix_.pack(tables, frame, rect, out, report, fill) == Status::kOk &&
+      (status != Status::kOk || report.rows > plain.rows ||
+       (report.rows == plain.rows && report.bytes <= plain.bytes))) {
     return Status::kOk;
   }
-  return pack_plain(tables, frame, rect, out, report);
+  return pack_plain(tables, frame, rect, out, report, fill);
 }
 
 Status TilePacker::pack_plain(const CodingTables& tables, const FrameModel& frame,
-                              const TileRect& rect, std::span<std::uint8_t> out,
-                              TileReport& report) noexcept {
+                              const TileRect& rect, std::span<std::uint8_t> out, TileReport& report,
+                              const TileFill& fill) noexcept {
   const CameraModel& camera = tables.config->camera;
   Job job{.tables = tables, .frame = frame, .rect = rect, .span = tile_span(camera, rect)};
   job.surfaces_kind = tables.config->tolerance == ToleranceKind::kSurfaces;
   job.last_level = static_cast<std::int32_t>(tables.levels->count()) - 1;
   // Counts as they are set the upper limit of what a tile may cost.
-  RangeEncoder coder(out.first(std::min(out.size(), verbatim_bytes(job.span))));
+  const std::size_t room = std::min(out.size(), verbatim_bytes(job.span));
+  RangeEncoder coder(out.first(room));
+  FillGate gate(fill, room);
   models_ = trained_models(tables.bounds->lossless());
   if (tables.bounds->lossless()) residuals_ = trained_residuals(tables.levels->every_count());
   jumps_in_ = jumps_out_ = 0;
-  code_head(job, coder);
+  code_head(job, coder, fill.allowed() ? fill.planned : rect.bh);
   clear_rows(rows_, rect.bw);
-  for (std::uint32_t row = 0; row < rect.bh && !coder.overflow(); ++row) {
+  code_rows(job, coder, gate);
+  std::size_t used = coder.finish();
+  TileRect coded = rect;
+  if (gate.allowed()) {
+    coded.bh = gate.rows();
+    if (coded.bh == 0) return Status::kTooLarge;
+  }
+  if (coder.overflow() || used > verbatim_bytes(tile_span(camera, coded)))
+    return store(tables, frame, coded, out, report);
+  if (coded.bh != rect.bh) used = recode_height(out, used, camera, rect.bh, coded.bh);
+  report = {used, job.points, job.corrections, false, coded.bh};
+  return Status::kOk;
+}
+
+void TilePacker::code_rows(Job& job, RangeEncoder& coder, FillGate& gate) noexcept {
+  for (std::uint32_t row = 0; row < job.rect.bh && !coder.overflow(); ++row) {
+    if (gate.allowed() && row > 0 &&
+        (!gate.likely(coder, row) || !job.local.name_all(job.frame, job.tables, job.rect, row)))
+      return;
+    const std::uint32_t points = job.points, corrections = job.corrections;
     open_block_row(job, row);
     const std::uint32_t begin = job.span.v0 + row * 8;
     for (std::uint32_t v = begin; v < std::min(begin + 8, job.span.v1); ++v) quantise_row(job, v);
     code_block_row(job, coder, row);
+    if (gate.allowed() && !gate.keep(coder)) {
+      job.points = points;
+      job.corrections = corrections;
+      return;
+    }
   }
-  const std::size_t used = coder.finish();
-  if (coder.overflow()) return store(tables, frame, rect, out, report);
-  report = {used, job.points, job.corrections, false};
-  return Status::kOk;
 }
 
-void TilePacker::code_head(Job& job, RangeEncoder& coder) noexcept {
+void TilePacker::code_head(Job& job, RangeEncoder& coder, std::uint32_t label_rows) noexcept {
   const CameraModel& camera = job.tables.config->camera;
   coder.raw(kModelled, 1);
   code_rect(coder, camera, job.rect);
   if (job.tables.config->effort_best) coder.raw(kPlainTile, 1);
-  for (std::uint32_t by = 0; by < job.rect.bh; ++by) {
-    const BlockLabel* labels =
-        &job.frame.blocks[std::size_t{job.rect.by + by} * blocks_wide(camera) + job.rect.bx];
-    for (std::uint32_t bx = 0; bx < job.rect.bw; ++bx) {
-      job.local.use(labels[bx].first);
-      if (job.surfaces_kind) job.local.use(labels[bx].second);
-    }
-  }
+  for (std::uint32_t row = 0; row < label_rows; ++row)
+    job.local.use_row(job.frame, job.tables, job.rect, row);
   const std::uint16_t first = first_reading(job.frame, job.span, job.width());
   job.fallback = std::max<std::int32_t>(1, job.tables.levels->nearest(first));
   job.last_middle = job.fallback * 256;
@@ -349,6 +367,7 @@ Status TilePacker::pack_runs(const CodingTables& tables, const FrameModel& frame
   report = {};
   const Status status = RunTile<EncodeIo>(io, tables, rect, rows_).walk(frame.depth, report.points);
   report.bytes = coder.finish();
+  report.rows = rect.bh;
   return coder.overflow() ? store(tables, frame, rect, out, report) : status;
 }
 
@@ -362,6 +381,7 @@ Status TilePacker::store(const CodingTables& tables, const FrameModel& frame, co
   coder.raw(kCountsTile, 1);
   report = {};
   report.verbatim = true;
+  report.rows = rect.bh;
   for (std::uint32_t v = span.v0; v < span.v1; ++v) {
     for (std::uint32_t u = span.u0; u < span.u1; ++u) {
       const std::uint16_t depth = frame.depth[std::size_t{v} * tables.config->camera.width + u];

@@ -12,6 +12,7 @@
 #include "core/wire/range_encoder.hpp"
 #include "core/wire/residual_models.hpp"
 #include "core/wire/tile_content.hpp"
+#include "core/wire/tile_fill.hpp"
 #include "core/wire/tile_syntax.hpp"
 
 namespace planecast {
@@ -21,10 +22,11 @@ class TilePacker {
  public:
   void layout(Arena& arena, std::uint32_t max_width) noexcept;
 
-  /// Codes `rect` of the frame into `out`. kTooLarge when `out` is too small (the caller splits
-  /// the tile); otherwise kOk. No allocation.
+  /// Codes `rect` of the frame into `out`; where `fill` allows it, as many of its upper rows of
+  /// blocks as fit (TileReport::rows). kTooLarge when `out` is too small for that (the caller
+  /// splits the tile); otherwise kOk. No allocation.
   Status pack(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
-              std::span<std::uint8_t> out, TileReport& report) noexcept;
+              std::span<std::uint8_t> out, TileReport& report, const TileFill& fill = {}) noexcept;
 
   /// Codes `rect` by runs, in 40 to 50 % of the time of pack() (bench/budget_times). kTooLarge as
   /// pack().
@@ -79,10 +81,11 @@ class TilePacker {
   struct Segment;
 
   Status pack_plain(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
-                    std::span<std::uint8_t> out, TileReport& report) noexcept;
+                    std::span<std::uint8_t> out, TileReport& report, const TileFill& fill) noexcept;
+  void code_rows(Job& job, RangeEncoder& coder, FillGate& gate) noexcept;
   Status store(const CodingTables& tables, const FrameModel& frame, const TileRect& rect,
                std::span<std::uint8_t> out, TileReport& report) noexcept;
-  void code_head(Job& job, RangeEncoder& coder) noexcept;
+  void code_head(Job& job, RangeEncoder& coder, std::uint32_t label_rows) noexcept;
   void open_block_row(Job& job, std::uint32_t row) noexcept;
   void try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept;
   void quantise_flat(Job& job, TileRows rows, std::uint32_t x0, std::uint32_t x1,

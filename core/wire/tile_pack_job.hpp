@@ -19,6 +19,32 @@ struct LocalSurfaces {
     local_of[label] = static_cast<std::uint8_t>(++count);
     frame_of[count] = label;
   }
+  /// Those of a row of blocks of a tile.
+  void use_row(const FrameModel& frame, const CodingTables& tables, const TileRect& rect,
+               std::uint32_t row) noexcept {
+    const bool second = tables.config->tolerance == ToleranceKind::kSurfaces;
+    for (const BlockLabel& label : labels(frame, tables, rect, row)) {
+      use(label.first);
+      if (second) use(label.second);
+    }
+  }
+  /// Whether all those of a row of blocks have numbers.
+  bool name_all(const FrameModel& frame, const CodingTables& tables, const TileRect& rect,
+                std::uint32_t row) const noexcept {
+    const bool second = tables.config->tolerance == ToleranceKind::kSurfaces;
+    const auto named = [this](std::uint8_t label) { return label == 0 || local_of[label] != 0; };
+    for (const BlockLabel& label : labels(frame, tables, rect, row)) {
+      if (!named(label.first) || (second && !named(label.second))) return false;
+    }
+    return true;
+  }
+
+ private:
+  static std::span<const BlockLabel> labels(const FrameModel& frame, const CodingTables& tables,
+                                            const TileRect& rect, std::uint32_t row) noexcept {
+    return frame.blocks.subspan(
+        std::size_t{rect.by + row} * blocks_wide(tables.config->camera) + rect.bx, rect.bw);
+  }
 };
 
 // One call of pack(): the tile's place and what is derived from it.

@@ -69,6 +69,13 @@ inline void code_plane(RangeEncoder& coder, TileModels& models, const PlaneConte
   code_plane_steps(coder, models, 2, contexts.dy(code.dx), code.dy);
 }
 
+/// Bits of a rectangle; its height is the last of them.
+inline int rect_bits(const CameraModel& camera) noexcept {
+  const int xb = position_bits(blocks_wide(camera));
+  const int yb = position_bits(blocks_high(camera));
+  return xb + yb + std::min(xb, 8) + std::min(yb, 8);
+}
+
 inline void code_rect(RangeEncoder& coder, const CameraModel& camera,
                       const TileRect& rect) noexcept {
   const int xb = position_bits(blocks_wide(camera));

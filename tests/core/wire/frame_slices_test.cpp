@@ -56,6 +56,34 @@ TEST(FrameSlices, NoneExceedsItsLimitAndAllAreNumbered) {
   }
 }
 
+// Columns end in slices of less; all others end for want of room for one more row of blocks.
+TEST(FrameSlices, AreFullButForTheLastOfAColumn) {
+  StreamConfig config;
+  config.camera.width = 320;
+  config.camera.height = 240;
+  config.camera.fx_q16 = config.camera.fy_q16 = 300U << 16U;
+  config.camera.cx_q16 = 160 << 16;
+  config.camera.cy_q16 = 120 << 16;
+  config.camera.unit_pm = 1'000'000'000;
+  config.tolerance = ToleranceKind::kLossless;
+  WireBench bench(config);
+  Pcg32 random(3);
+  Image image(config.camera.pixels());
+  for (std::uint16_t& depth : image) depth = static_cast<std::uint16_t>(2000 + random.below(5));
+  bench.find_surfaces(image, SurfaceMode::kNone, random);
+  const auto packets = bench.pack(image, 1190);
+  EXPECT_EQ(bench.unpack_all(packets), image);
+  std::size_t inner = 0;
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    const TileRect& rect = bench.contents[i].rect;
+    if (rect.by + rect.bh == 30) continue;
+    ++inner;
+    const double row = static_cast<double>(packets[i].size()) / rect.bh;
+    EXPECT_GT(static_cast<double>(packets[i].size()) + 1.15 * row + 8, 1190) << i;
+  }
+  EXPECT_GT(inner, 6U);
+}
+
 TEST(FrameSlices, CoverEveryBlockExactlyOnce) {
   for (std::uint64_t seed = 20; seed < 29; ++seed) {
     const Packed p = pack_random(seed, 400);
