@@ -32,7 +32,8 @@ class RangeEncoder {
       add(split);
       range_ -= split;
     }
-    if (range_ < kLeastRange) shift();
+    if (range_ < kLeastRange) [[unlikely]]
+      shift();
   }
 
   /// One of sixteen symbols, by a SymbolModel or a SymbolPair.
@@ -104,11 +105,13 @@ class RangeEncoder {
 
   void add(std::uint64_t value) noexcept {
     low_ += value;
-    if (low_ < value) carry();
+    if (low_ < value) [[unlikely]]
+      carry(out_.data(), used_);
   }
 
-  void carry() noexcept {
-    for (std::size_t i = used_; i > 0 && ++out_[i - 1] == 0; --i) {
+  // Given what it needs, not the coder: a coder whose address is nowhere stays in registers.
+  [[gnu::noinline]] static void carry(std::uint8_t* out, std::size_t used) noexcept {
+    for (std::size_t i = used; i > 0 && ++out[i - 1] == 0; --i) {
     }
   }
 
@@ -120,9 +123,8 @@ class RangeEncoder {
       overflow_ = true;
       return;
     }
-    for (unsigned i = 0; i < 4; ++i) {
-      out_[used_ + i] = static_cast<std::uint8_t>(word >> (24U - 8U * i));
-    }
+    std::uint8_t* const to = out_.data() + used_;
+    for (unsigned i = 0; i < 4; ++i) to[i] = static_cast<std::uint8_t>(word >> (24U - 8U * i));
     used_ += 4;
   }
 

@@ -1,7 +1,6 @@
 #include "core/wire/tile_pack.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstdlib>
 
 #include "core/wire/correction_search.hpp"
@@ -52,7 +51,8 @@ std::uint32_t count_readings(const std::uint16_t* depth, std::size_t width, std:
 void TilePacker::layout(Arena& arena, std::uint32_t max_width) noexcept {
   const std::uint32_t blocks = std::min<std::uint32_t>((max_width + 7) / 8, kMaxTileBlocks);
   rows_ = arena.take<PixelRow>(3);
-  tokens_ = arena.take<Token>(std::size_t{blocks} * 64);
+  decisions_ = arena.take<PixelDecision>(std::size_t{blocks} * 64 * kMostDecisions);
+  ends_ = arena.take<std::uint32_t>(std::size_t{blocks} * 8);
   found_ = arena.take<Residual>(std::size_t{blocks} * 64);
   jumps_ = arena.take<Jump>(std::size_t{blocks} * 64);
   blocks_ = arena.take<BlockState>(2 * std::size_t{blocks});
@@ -90,7 +90,7 @@ Status TilePacker::pack_plain(const CodingTables& tables, const FrameModel& fram
   FillGate gate(fill, room);
   models_ = trained_models(tables.bounds->lossless());
   if (tables.bounds->lossless()) residuals_ = trained_residuals(tables.levels->every_count());
-  jumps_in_ = jumps_out_ = 0;
+  jumps_in_ = jumps_out_ = decided_ = 0;
   code_head(job, coder, fill.allowed() ? fill.planned : rect.bh);
   clear_rows(rows_, rect.bw);
   code_rows(job, coder, gate);
@@ -211,21 +211,23 @@ void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
   const std::uint32_t tile_v = v - job.span.v0;
   const TileRows rows(rows_, tile_v);
   const std::uint16_t* row = &job.frame.depth[std::size_t{v} * job.width() + job.span.u0];
-  Token* tokens = tokens_.data() + std::size_t{tile_v % 8} * job.rect.bw * 8;
+  std::uint32_t* const ends = ends_.data() + std::size_t{tile_v % 8} * job.rect.bw;
   BlockState* blocks = blocks_.data() + ((tile_v / 8) & 1U) * job.rect.bw;
   for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
     const std::uint32_t x0 = i * 8, x1 = std::min(x0 + 8, job.span.u1 - job.span.u0);
+    ends[i] = decided_;
     if (blocks[i].any == 0) {
       rows.here.clear(x0, x1);
       continue;
     }
     if (blocks[i].flat != 0) {
-      quantise_flat(job, rows, x0, x1, tile_v, row, tokens);
+      quantise_flat(job, rows, x0, x1, tile_v, row);
+      ends[i] = decided_;
       continue;
     }
     const BoundTable& bounds = *job.tables.bounds;
     const std::uint8_t ray_class = bounds.ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
-    Segment segment{blocks[i], {}, ray_class, x0, x1, v, row, tokens};
+    Segment segment{blocks[i], {}, ray_class, x0, x1, v, row};
     segment.place = PixelPlace(bounds.half_widths(ray_class), job.last_level);
     if (blocks[i].label.first != 0) segment.place.lie_on(surfaces_[i], tile_v % 8);
     if (job.tables.bounds->lossless()) {
@@ -235,47 +237,55 @@ void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
       } else {
         quantise_residuals<false>(job, rows, segment, residuals);
       }
-    } else if (job.surfaces_kind && segment.place.has_surface) {
-      quantise_segment<true>(job, rows, segment);
+    } else if (!segment.place.has_surface) {
+      quantise_segment<SegmentKind::kPlain>(job, rows, segment);
+    } else if (job.surfaces_kind) {
+      quantise_segment<SegmentKind::kChoosing>(job, rows, segment);
     } else {
-      quantise_segment<false>(job, rows, segment);
+      quantise_segment<SegmentKind::kOnSurface>(job, rows, segment);
     }
+    ends[i] = decided_;
   }
 }
 
 void TilePacker::quantise_flat(Job& job, const TileRows rows, std::uint32_t x0, std::uint32_t x1,
-                               std::uint32_t tile_v, const std::uint16_t* depths,
-                               Token* tokens) noexcept {
+                               std::uint32_t tile_v, const std::uint16_t* depths) noexcept {
   const std::size_t at = x0 + PixelRow::kBorder;
   keep_flat(rows.here, at, surfaces_[x0 / 8], tile_v % 8, x1 - x0, job.last_level);
   const BlockState& block = blocks_[((tile_v / 8) & 1U) * job.rect.bw + x0 / 8];
+  std::uint16_t* const level = rows.here.level + at;
+  const std::uint32_t columns = x1 - x0;
   if (block.full != 0) {
-    job.fallback = rows.here.level[at + (x1 - x0) - 1];
+    job.fallback = level[columns - 1];
     return;
   }
   MaskWalk mask = rows.mask(x0);
-  for (std::uint32_t x = x0; x < x1; ++x) {
-    Token token;
-    token.mask_context = static_cast<std::uint8_t>(mask.context());
-    const bool reading = depths[x] != 0;
-    token.kind = reading ? PixelKind::kFlat : PixelKind::kHole;
-    const std::size_t pixel = x + PixelRow::kBorder;
-    if (reading) job.fallback = rows.here.level[pixel];
-    rows.here.level[pixel] &= static_cast<std::uint16_t>(-static_cast<int>(reading));
+  PixelDecision* const out = decisions_.data() + decided_;
+  std::int32_t fallback = job.fallback;
+  for (std::uint32_t x = 0; x < columns; ++x) {
+    const bool reading = depths[x0 + x] != 0;
+    out[x] = mask_decision(mask.context(), reading);
+    const std::int32_t keep = -static_cast<std::int32_t>(reading);
+    fallback ^= (fallback ^ level[x]) & keep;
+    level[x] &= static_cast<std::uint16_t>(keep);
     mask.step(reading);
-    tokens[x] = token;
   }
+  decided_ += columns;
+  job.fallback = fallback;
 }
 
 // What the loop uses is copied first: a store of a byte may change anything in memory, as far as a
-// compiler knows, and would have all of it read again. A token is written once, from registers.
-template <bool kChoosing>
+// compiler knows, and would have all of it read again. One loop for each kind of block: what a kind
+// has no use for keeps no register.
+template <TilePacker::SegmentKind kKind>
 void TilePacker::quantise_segment(Job& job, const TileRows rows, const Segment& segment) noexcept {
+  constexpr bool kChoosing = kKind == SegmentKind::kChoosing;
   PixelPlace place = segment.place;
+  place.has_surface = kKind != SegmentKind::kPlain;
   const bool full = segment.block.full != 0;
   const LevelWindow* const windows = job.tables.bounds->windows(segment.ray_class);
   const std::uint16_t* const depths = segment.row;
-  Token* const tokens = segment.tokens;
+  PixelDecision* out = decisions_.data() + decided_;
   std::int32_t fallback = job.fallback;
   std::uint32_t corrections = 0;
   bool uniform = true;
@@ -283,54 +293,48 @@ void TilePacker::quantise_segment(Job& job, const TileRows rows, const Segment& 
   for (std::uint32_t x = segment.x0; x < segment.x1; ++x, place.step_right()) {
     const Neighbourhood around = rows.around(x);
     const std::uint16_t depth = depths[x];
-    std::uint8_t in_mask = 0;
     if (!full) {
-      in_mask = static_cast<std::uint8_t>(mask.context());
+      *out++ = mask_decision(mask.context(), depth != 0);
       mask.step(depth != 0);
     }
     if (depth == 0) {
       rows.here.set_hole(around.at);
-      tokens[x] = {.mask_context = in_mask};
       continue;
     }
-    std::uint8_t in_choice = 0;
     if constexpr (kChoosing) {
-      in_choice = choice_context(around);
+      const std::uint8_t context = choice_context(around);
       const PixelKind on = choose_surface(job, segment, x, depth, rows.here);
       uniform &= on == PixelKind::kFirstSurface;
+      *out++ = choice_decision(0, context, on == PixelKind::kFirstSurface);
+      if (on != PixelKind::kFirstSurface && segment.block.label.second != 0)
+        *out++ = choice_decision(1, context, on == PixelKind::kSecondSurface);
       if (on != PixelKind::kPredicted) {
         fallback = rows.here.level[around.at];
-        tokens[x] = {.mask_context = in_mask, .choice_context = in_choice, .kind = on};
         continue;
       }
     }
     const PixelPrediction p = predict_pixel(around, place, fallback);
     const int activity = pixel_activity(around, p);
-    const std::uint16_t in_correction = correction_context(around, activity);
+    const std::uint16_t context = correction_context(around, activity);
     const LevelWindow window = windows[depth];
     if (p.level >= window.low && p.level <= window.high) [[likely]] {
+      *out++ = correction_decision(context, false);
       keep_predicted(rows.here, around.at, p);
       fallback = p.level;
-      tokens[x] = {.correction_context = in_correction,
-                   .mask_context = in_mask,
-                   .choice_context = in_choice,
-                   .kind = PixelKind::kPredicted};
       continue;
     }
+    *out++ = correction_decision(context, true);
+    const PixelPrediction away = p;  // only this copy leaves the registers
     const Correction found =
-        find_correction(*job.tables.levels, p, depth, window, place.last_level);
+        find_correction(*job.tables.levels, away, depth, window, place.last_level);
     if (std::abs(found.steps) > kMaxUnary) jumps_[jumps_in_++] = {found.jump, depth};
-    tokens[x] = {.correction_context = in_correction,
-                 .correction = static_cast<std::int8_t>(found.steps),
-                 .sign_context = sign_context(around, p),
-                 .magnitude_context = magnitude_context(around, activity),
-                 .mask_context = in_mask,
-                 .choice_context = in_choice,
-                 .kind = PixelKind::kPredicted};
+    out = add_correction(out, sign_context(around, p), magnitude_context(around, activity),
+                         found.steps);
     keep_corrected(rows.here, around.at, p, found.level, found.steps);
     fallback = found.level;
     ++corrections;
   }
+  decided_ = static_cast<std::uint32_t>(out - decisions_.data());
   if (corrections != 0) segment.block.corrected = 1;
   if (!uniform) segment.block.uniform = 0;
   job.corrections += corrections;

@@ -9,6 +9,7 @@
 #include "core/base/status.hpp"
 #include "core/wire/flat_fit.hpp"
 #include "core/wire/mix_pack.hpp"
+#include "core/wire/pixel_decision.hpp"
 #include "core/wire/range_encoder.hpp"
 #include "core/wire/residual_models.hpp"
 #include "core/wire/tile_content.hpp"
@@ -34,17 +35,8 @@ class TilePacker {
                    std::span<std::uint8_t> out, TileReport& report) noexcept;
 
  private:
-  enum class PixelKind : std::uint8_t { kHole, kPredicted, kFlat, kFirstSurface, kSecondSurface };
-  /// What is to be coded of one pixel.
-  struct Token {
-    std::uint16_t correction_context = 0;
-    std::int8_t correction = 0;  ///< signed steps; +-(kMaxUnary + 1) announces a jump
-    std::uint8_t sign_context = 0;
-    std::uint8_t magnitude_context = 0;
-    std::uint8_t mask_context = 0;
-    std::uint8_t choice_context = 0;
-    PixelKind kind = PixelKind::kHole;
-  };
+  enum class PixelKind : std::uint8_t { kPredicted, kFirstSurface, kSecondSurface };
+  enum class SegmentKind : std::uint8_t { kPlain, kOnSurface, kChoosing };
   /// What is to be coded of one pixel of a lossless tile, in one word: a store in parts would stall
   /// the load of the whole.
   struct Residual {
@@ -89,30 +81,33 @@ class TilePacker {
   void open_block_row(Job& job, std::uint32_t row) noexcept;
   void try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept;
   void quantise_flat(Job& job, TileRows rows, std::uint32_t x0, std::uint32_t x1,
-                     std::uint32_t tile_v, const std::uint16_t* depths, Token* tokens) noexcept;
+                     std::uint32_t tile_v, const std::uint16_t* depths) noexcept;
   void quantise_row(Job& job, std::uint32_t v) noexcept;
-  template <bool kChoosing>
+  template <SegmentKind kKind>
   void quantise_segment(Job& job, TileRows rows, const Segment& segment) noexcept;
   PixelKind choose_surface(const Job& job, const Segment& segment, std::uint32_t x,
                            std::uint16_t depth, PixelRow& row) const noexcept;
   void code_block_row(Job& job, RangeEncoder& shared, std::uint32_t row) noexcept;
   void code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
                   const BlockNeighbours& n, const FlatChoice& flat) noexcept;
-  void code_pixel(const Job& job, RangeEncoder& coder, const BlockState& block,
-                  const Token& token) noexcept;
-  void code_correction(RangeEncoder& coder, const Token& token) noexcept;
+  void drop_decisions(const Job& job, const BlockState* blocks, std::uint32_t rows) noexcept;
+  void code_decisions(RangeEncoder& shared) noexcept;
   template <bool kEveryCount>
   void quantise_residuals(Job& job, TileRows rows, const Segment& segment,
                           Residual* residuals) noexcept;
   template <bool kEveryCount>
   void code_residuals(RangeEncoder& coder, const BlockState& block, const Residual* residuals,
                       std::uint32_t count) noexcept;
+  void code_lossless_row(const Job& job, RangeEncoder& shared, const BlockState* blocks,
+                         std::uint32_t rows) noexcept;
   void code_jump(RangeEncoder& coder, const Jump& jump) noexcept;
 
-  std::span<PixelRow> rows_;   ///< three rows with borders
-  std::span<Token> tokens_;    ///< eight rows
-  std::span<Residual> found_;  ///< eight rows of a lossless tile
-  std::span<Jump> jumps_;      ///< of a block row
+  std::span<PixelRow> rows_;            ///< three rows with borders
+  std::span<PixelDecision> decisions_;  ///< of a block row's pixels, in coding order
+  std::uint32_t decided_ = 0;           ///< of decisions_ in use
+  std::span<std::uint32_t> ends_;       ///< in decisions_, of each block in each of eight rows
+  std::span<Residual> found_;           ///< eight rows of a lossless tile
+  std::span<Jump> jumps_;               ///< of a block row
   std::uint32_t jumps_in_ = 0, jumps_out_ = 0;
   std::span<BlockState> blocks_;      ///< two block rows
   std::span<BlockPlane> planes_;      ///< of flat blocks, beside blocks_

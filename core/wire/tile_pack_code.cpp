@@ -1,6 +1,7 @@
 // The entropy coding of a tile whose pixels are quantised: block decisions, then pixels.
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdlib>
 
 #include "core/wire/tile_pack.hpp"
@@ -9,8 +10,16 @@
 
 namespace planecast {
 
-void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockState& block,
-                            const BlockNeighbours& n, const FlatChoice& flat) noexcept {
+// Inlined, and so is what it calls often: the coder of the caller's loop stays in registers.
+[[gnu::always_inline]] inline void TilePacker::code_block(const Job& job, RangeEncoder& coder,
+                                                          const BlockState& block,
+                                                          const BlockNeighbours& n,
+                                                          const FlatChoice& flat) noexcept {
+  const auto code_index = [&](std::uint8_t label) {
+    RangeEncoder away = coder;  // only this copy leaves the registers
+    code_tree(away, models_.label_index, kLabelBits, label);
+    coder = away;
+  };
   coder.bit(models_.block_any[pair_context(n.left, n.above, &BlockState::any)], block.any != 0);
   if (block.any == 0) return;
   coder.bit(models_.block_full[pair_context(n.left, n.above, &BlockState::full)], block.full != 0);
@@ -22,13 +31,12 @@ void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockStat
     if (block.label.first != left) {
       if (above != left) coder.bit(models_.label_as_above[context], block.label.first == above);
       if (above == left || block.label.first != above) {
-        code_tree(coder, models_.label_index, kLabelBits, block.label.first);
+        code_index(block.label.first);
       }
     }
     if (job.surfaces_kind && block.label.first != 0) {
       coder.bit(models_.block_second[0], block.label.second != 0);
-      if (block.label.second != 0)
-        code_tree(coder, models_.label_index, kLabelBits, block.label.second);
+      if (block.label.second != 0) code_index(block.label.second);
       coder.bit(models_.block_uniform[block.label.second != 0 ? 1 : 0], block.uniform != 0);
     }
   }
@@ -47,18 +55,6 @@ void TilePacker::code_block(const Job& job, RangeEncoder& coder, const BlockStat
   }
 }
 
-[[gnu::always_inline]] inline void TilePacker::code_correction(RangeEncoder& coder,
-                                                               const Token& token) noexcept {
-  coder.bit(models_.sign[token.sign_context], token.correction > 0);
-  const int more = std::abs(int{token.correction}) - 1;
-  BitModel* unary = models_.magnitude[token.magnitude_context];
-  for (int i = 0; i < kMaxUnary; ++i) {
-    coder.bit(unary[i], more > i);
-    if (more <= i) return;
-  }
-  code_jump(coder, jumps_[jumps_out_++]);
-}
-
 void TilePacker::code_jump(RangeEncoder& coder, const Jump& jump) noexcept {
   const auto distance = static_cast<std::uint32_t>(std::abs(jump.levels));
   const int length = static_cast<int>(std::bit_width(distance));
@@ -71,27 +67,50 @@ void TilePacker::code_jump(RangeEncoder& coder, const Jump& jump) noexcept {
   }
 }
 
-[[gnu::always_inline]] inline void TilePacker::code_pixel(const Job& job, RangeEncoder& coder,
-                                                          const BlockState& block,
-                                                          const Token& token) noexcept {
-  const bool reading = token.kind != PixelKind::kHole;
-  if (block.full == 0) coder.bit(models_.mask[token.mask_context], reading);
-  if (!reading) return;
-  if (job.surfaces_kind && block.label.first != 0 && block.uniform == 0) {
-    const bool first = token.kind == PixelKind::kFirstSurface;
-    coder.bit(models_.on_surface[0][token.choice_context], first);
-    if (!first && block.label.second != 0) {
-      coder.bit(models_.on_surface[1][token.choice_context],
-                token.kind == PixelKind::kSecondSurface);
+// Takes out what turned out to say nothing: of a block without corrections that there is none, of
+// one on its first surface throughout which surface it is.
+void TilePacker::drop_decisions(const Job& job, const BlockState* blocks,
+                                std::uint32_t rows) noexcept {
+  const auto whole = [&](const BlockState& block) {
+    return block.any == 0 || block.flat != 0 ||
+           (block.corrected != 0 && (!job.surfaces_kind || block.uniform == 0));
+  };
+  if (std::all_of(blocks, blocks + job.rect.bw, whole)) return;
+  PixelDecision* to = decisions_.data();
+  const PixelDecision* from = decisions_.data();
+  for (std::uint32_t i = 0; i < rows * job.rect.bw; ++i) {
+    const BlockState& block = blocks[i % job.rect.bw];
+    const bool all = whole(block);
+    const PixelDecision* const end = decisions_.data() + ends_[i];
+    for (; from != end; ++from) {
+      const bool needless = (block.corrected == 0 && is_correction(*from)) ||
+                            (block.uniform != 0 && is_choice(*from));
+      if (all || !needless) *to++ = *from;
     }
   }
-  if (token.kind != PixelKind::kPredicted || block.corrected == 0) return;
-  coder.bit(models_.correction[token.correction_context], token.correction != 0);
-  if (token.correction != 0) code_correction(coder, token);
+  decided_ = static_cast<std::uint32_t>(to - decisions_.data());
+}
+
+void TilePacker::code_decisions(RangeEncoder& shared) noexcept {
+  RangeEncoder coder = shared;  // a copy stays in registers
+  auto* const models = reinterpret_cast<std::byte*>(&models_);
+  const PixelDecision* const end = decisions_.data() + decided_;
+  for (const PixelDecision* at = decisions_.data(); at != end; ++at) {
+    const PixelDecision d = *at;
+    if (d == kJumpFollows) [[unlikely]] {
+      RangeEncoder away = coder;  // only this copy leaves the registers
+      code_jump(away, jumps_[jumps_out_++]);
+      coder = away;
+      continue;
+    }
+    coder.bit(*reinterpret_cast<BitModel*>(models + (d & ~1U)), (d & 1U) != 0);
+  }
+  decided_ = 0;
+  shared = coder;
 }
 
 void TilePacker::code_block_row(Job& job, RangeEncoder& shared, std::uint32_t row) noexcept {
-  RangeEncoder coder = shared;  // a copy stays in registers
+  RangeEncoder coder = shared;
   const BlockState* blocks = blocks_.data() + (row & 1U) * job.rect.bw;
   const BlockState* above = row > 0 ? blocks_.data() + ((row + 1) & 1U) * job.rect.bw : nullptr;
   for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
@@ -100,35 +119,16 @@ void TilePacker::code_block_row(Job& job, RangeEncoder& shared, std::uint32_t ro
                 i > 0 && above != nullptr ? &above[i - 1] : nullptr},
                flats_[i]);
   }
+  shared = coder;
   const std::uint32_t begin = job.span.v0 + row * 8;
   const std::uint32_t rows = std::min(begin + 8, job.span.v1) - begin;
-  const std::uint32_t columns = job.span.u1 - job.span.u0;
-  const bool lossless = job.tables.bounds->lossless();
-  const bool every_count = job.tables.levels->every_count();
-  for (std::uint32_t y = 0; y < rows; ++y) {
-    const Token* tokens = tokens_.data() + std::size_t{y} * job.rect.bw * 8;
-    for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
-      const BlockState& block = blocks[i];
-      // Nothing to say of most pixels.
-      const bool mixed = job.surfaces_kind && block.label.first != 0 && block.uniform == 0;
-      if (lossless && block.any != 0) {
-        const Residual* found = found_.data() + (std::size_t{y} * job.rect.bw + i) * 8;
-        const std::uint32_t count = std::min(8U, columns - i * 8);
-        if (every_count) {
-          code_residuals<true>(coder, block, found, count);
-        } else {
-          code_residuals<false>(coder, block, found, count);
-        }
-        continue;
-      }
-      if (block.any == 0 || (block.full != 0 && block.corrected == 0 && !mixed)) continue;
-      for (std::uint32_t x = i * 8; x < std::min(i * 8 + 8, columns); ++x) {
-        code_pixel(job, coder, block, tokens[x]);
-      }
-    }
+  if (job.tables.bounds->lossless()) {
+    code_lossless_row(job, shared, blocks, rows);
+  } else {
+    drop_decisions(job, blocks, rows);
+    code_decisions(shared);
   }
   jumps_in_ = jumps_out_ = 0;
-  shared = coder;
 }
 
 }  // namespace planecast

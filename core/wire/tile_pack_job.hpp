@@ -74,7 +74,6 @@ struct TilePacker::Segment {
   std::uint32_t x0, x1;      ///< columns within the tile
   std::uint32_t v;           ///< row of the image
   const std::uint16_t* row;  ///< counts of the tile's row
-  Token* tokens;             ///< of the tile's row
 };
 
 }  // namespace planecast

@@ -1,5 +1,6 @@
 // Lossless tiles: residuals as symbols. Every level is known beforehand, so that no pixel waits for
 // the one before it.
+#include <algorithm>
 #include <cstdlib>
 
 #include "core/base/lanes.hpp"
@@ -131,13 +132,29 @@ void TilePacker::code_residuals(RangeEncoder& coder, const BlockState& block,
   }
 }
 
+void TilePacker::code_lossless_row(const Job& job, RangeEncoder& shared, const BlockState* blocks,
+                                   std::uint32_t rows) noexcept {
+  RangeEncoder coder = shared;
+  const std::uint32_t columns = job.span.u1 - job.span.u0;
+  const bool every_count = job.tables.levels->every_count();
+  for (std::uint32_t y = 0; y < rows; ++y) {
+    for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
+      if (blocks[i].any == 0) continue;
+      const Residual* found = found_.data() + (std::size_t{y} * job.rect.bw + i) * 8;
+      const std::uint32_t count = std::min(8U, columns - i * 8);
+      if (every_count) {
+        code_residuals<true>(coder, blocks[i], found, count);
+      } else {
+        code_residuals<false>(coder, blocks[i], found, count);
+      }
+    }
+  }
+  shared = coder;
+}
+
 template void TilePacker::quantise_residuals<false>(Job&, TileRows, const Segment&,
                                                     Residual*) noexcept;
 template void TilePacker::quantise_residuals<true>(Job&, TileRows, const Segment&,
                                                    Residual*) noexcept;
-template void TilePacker::code_residuals<false>(RangeEncoder&, const BlockState&, const Residual*,
-                                                std::uint32_t) noexcept;
-template void TilePacker::code_residuals<true>(RangeEncoder&, const BlockState&, const Residual*,
-                                               std::uint32_t) noexcept;
 
 }  // namespace planecast

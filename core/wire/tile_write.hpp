@@ -46,8 +46,9 @@ inline void code_tree(RangeEncoder& coder, BitModel* models, int bits,
   }
 }
 
-inline void code_plane_steps(RangeEncoder& coder, TileModels& models, int kind, int context,
-                             std::int32_t steps) noexcept {
+[[gnu::always_inline]] inline void code_plane_steps(RangeEncoder& coder, TileModels& models,
+                                                    int kind, int context,
+                                                    std::int32_t steps) noexcept {
   BitModel* unary = models.plane_length[kind][context];
   const auto magnitude = static_cast<std::uint32_t>(std::abs(steps));
   const int length = static_cast<int>(std::bit_width(magnitude));
