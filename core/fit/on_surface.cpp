@@ -6,13 +6,23 @@
 #include <cstdlib>
 
 #include "core/base/lanes.hpp"
+#include "core/model/cell_moments.hpp"
 #include "core/predict/block_surface.hpp"
 
 namespace planecast {
 namespace {
 
-constexpr int kMinSecond = 6;
-constexpr int kMinTaken = 12;  // of what a neighbour offers: each costs a choice for every pixel
+// Readings for which a block takes a second surface, of its own regions and of a neighbour: each
+// costs a choice for every pixel. Where readings off the surfaces are dropped, they cost less than
+// that choice, and only a second surface that holds more of them is one.
+struct LeastSecond {
+  int own = 6, taken = 12;
+};
+
+LeastSecond least_second(const FitTables& tables) noexcept {
+  if (tables.config->drop_off_surface) return {10, 20};
+  return {};
+}
 
 bool on_surface(const FitTables& tables, const Surface& surface, std::uint8_t ray_class,
                 std::uint32_t u, std::uint32_t v, std::uint16_t depth) noexcept {
@@ -95,10 +105,10 @@ struct FloatSurfaceLanes {
         d(static_cast<float>(s.d)),
         e(static_cast<float>(s.e)),
         f(static_cast<float>(s.f)) {
-    constexpr float kRounding = 1e-6F, kIvOne = 2147483648.0F;
+    constexpr float kRounding = 1e-6F;
     const float size = std::abs(a) * x + std::abs(b) * y + std::abs(c) + std::abs(d) * x * x +
                        std::abs(e) * x * y + std::abs(f) * y * y + 64;
-    rounding = kRounding * size / kIvOne;
+    rounding = kRounding * size / kInverseDepthOne;
   }
   template <bool Curved>
   Float4 inverse_depth(Float4 x, Float4 y) const noexcept {
@@ -111,7 +121,7 @@ struct FloatSurfaceLanes {
 template <bool Curved>
 Verdict judge(const FitTables& tables, std::span<const std::uint16_t> depth, const BlockPixels& b,
               const FloatSurfaceLanes& surface) noexcept {
-  constexpr float kRayOne = 1.0F / (1 << 27), kIvOne = 2147483648.0F;
+  constexpr float kRayOne = 1.0F / (1 << 27);
   const RayTable& rays = *tables.rays;
   Verdict out;
   for (std::uint32_t v = b.v0; v < b.v1; ++v) {
@@ -121,7 +131,8 @@ Verdict judge(const FitTables& tables, std::span<const std::uint16_t> depth, con
       const Float4 x = to_float4(load4(xs)) * all4(kRayOne);
       const Float4 y = rays.separable ? all4(static_cast<float>(rays.y_q27[v]) * kRayOne)
                                       : to_float4(load4(&rays.y_q27[row + half])) * all4(kRayOne);
-      const Float4 there = all4(kIvOne) / max4(surface.inverse_depth<Curved>(x, y), all4(16384));
+      const Float4 there =
+          all4(kInverseDepthOne) / max4(surface.inverse_depth<Curved>(x, y), all4(16384));
       const Float4 off = abs4(there - load4(&depth[row + half]));
       const Float4 slack = there * there * all4(surface.rounding) + all4(2);
       const unsigned shift = (v - b.v0) * 8 + half;
@@ -207,10 +218,11 @@ Candidates fine_candidates(const RegionMap& regions, std::span<const std::uint8_
 void take_from_neighbours(const FitTables& tables, std::span<const std::uint16_t> depth,
                           std::span<const Surface> surfaces, std::uint32_t bx, std::uint32_t by,
                           std::span<BlockLabel> labels, std::span<std::uint64_t> off) noexcept {
+  const int least = least_second(tables).taken;
   const std::uint32_t wide = blocks_wide(tables), high = blocks_high(tables);
   const std::size_t block = std::size_t{by} * wide + bx;
   BlockLabel& label = labels[block];
-  if (label.first == 0 || label.second != 0 || std::popcount(off[block]) < kMinTaken) return;
+  if (label.first == 0 || label.second != 0 || std::popcount(off[block]) < least) return;
   const BlockPixels b = block_pixels(tables, depth, bx, by);
   std::uint64_t tried = std::uint64_t{1} | (std::uint64_t{1} << label.first), best_on = 0;
   std::uint8_t best = 0;
@@ -218,7 +230,7 @@ void take_from_neighbours(const FitTables& tables, std::span<const std::uint16_t
     if (((tried >> next) & 1U) != 0) return;
     tried |= std::uint64_t{1} << next;
     const std::uint64_t on = on_bits(tables, depth, b, off[block], surfaces[next - 1U]);
-    if (std::popcount(on) < kMinTaken || std::popcount(on) <= std::popcount(best_on)) return;
+    if (std::popcount(on) < least || std::popcount(on) <= std::popcount(best_on)) return;
     best = next;
     best_on = on;
   };
@@ -239,6 +251,7 @@ void label_on_surface(const FitTables& tables, std::span<const std::uint16_t> de
                       const RegionMap& regions, std::span<const std::uint8_t> surface_of,
                       std::span<const Surface> surfaces, std::span<BlockLabel> labels,
                       std::span<std::uint64_t> off) noexcept {
+  const int least = least_second(tables).own;
   const std::uint32_t wide = blocks_wide(tables), high = blocks_high(tables);
   for (std::uint32_t by = 0; by < high; ++by) {
     for (std::uint32_t bx = 0; bx < wide; ++bx) {
@@ -261,8 +274,7 @@ void label_on_surface(const FitTables& tables, std::span<const std::uint16_t> de
       std::uint64_t more = 0;
       for (int i = 0; i < candidates.count; ++i) {
         const std::uint64_t rest = on[i] & off[block];
-        if (std::popcount(rest) < kMinSecond || std::popcount(rest) <= std::popcount(more))
-          continue;
+        if (std::popcount(rest) < least || std::popcount(rest) <= std::popcount(more)) continue;
         more = rest;
         label.second = candidates.label[i];
       }

@@ -5,6 +5,9 @@
 #include <bit>
 #include <cmath>
 
+#include "core/fit/curved_regions.hpp"
+#include "core/model/cell_moments.hpp"
+
 namespace planecast {
 namespace {
 
@@ -13,19 +16,20 @@ namespace {
 constexpr float kMostResidual = 9;
 // What a neighbour in another region adds to a cell's residual: borders run straight where the
 // readings do not say otherwise.
-constexpr float kBorder = 2;
+constexpr float kBorder = 1;
 constexpr int kRounds = 2;  // of cells and fits settling on each other
 // Of cells that no region holds: residual from their own plane and of 3 x 3 of them from a common
 // one for a region to start there, the flattest first; and from its plane to be taken in.
 constexpr float kSeedCell = 3, kSeedGroup = 2.5F, kFlatGroup = 1.5F, kGrow = 4;
 constexpr int kSeedCells = 3;
-// Fewer cost more in coefficients and labels than they bring back.
-constexpr std::uint32_t kLeastCells = 30;
+// Cells of a region that starts there. Large ones come first, while labels last; small ones are
+// parts of narrow faces, which join() puts together. Those cost more in coefficients and labels
+// than they save where what lies on no surface is coded all the same.
+constexpr std::uint32_t kLargeCells = 30, kLeastCells = 10;
 // What one plane for two regions may add to the squared residuals: a constant, since neighbouring
 // pixels share noise, and a share of the smaller one's readings, since no sensor is free of bias.
 constexpr double kJoinConstant = 360, kJoinShare = 0.2;
 constexpr std::uint8_t kGivenUp = 255;
-constexpr double kIvOne = 2147483648.0;  // 2^kInverseDepthBits
 constexpr double kRayOne = 0x1p-27;
 
 bool is_curved(const RegionMap& map, unsigned label) noexcept {
@@ -86,10 +90,13 @@ const RegionMap& RegionRefiner::process(const FitTables& tables,
     fit(fits);
   }
   leave_rest(tables, depth, fits);
-  discover(fits);
+  const bool drop = tables.config->drop_off_surface;
+  discover(kLargeCells, fits);
+  if (drop) discover(kLeastCells, fits);
   fit(fits);
   settle(fits);
   fit(fits);
+  (void)flatten_curved(map_, fits, queue_);
   join(fits);
   settle(fits);
   fit(fits);
@@ -259,7 +266,7 @@ void RegionRefiner::leave_rest(const FitTables& tables, std::span<const std::uin
       for (std::uint32_t left = readings; left != 0; left &= left - 1) {
         const auto bit = static_cast<std::uint32_t>(std::countr_zero(left));
         const std::uint32_t u = u0 + bit % kFineSide, v = v0 + bit / kFineSide;
-        const double w = kIvOne / depth[std::size_t{v} * rays.width + u];
+        const double w = double{kInverseDepthOne} / depth[std::size_t{v} * rays.width + u];
         const double rx = rays.x(u, v) * kRayOne, ry = rays.y(u, v) * kRayOne;
         for (int k = 0; k < around.count; ++k) {
           const RegionFit& fit = fits[around.label[k] - 1U];
@@ -272,39 +279,37 @@ void RegionRefiner::leave_rest(const FitTables& tables, std::span<const std::uin
   }
 }
 
-// Finds planes among the cells that no region holds.
-void RegionRefiner::discover(std::span<RegionFit> fits) noexcept {
-  for (const float limit : {kFlatGroup, kSeedGroup}) {
-    for (std::uint32_t y = 1; y + 1 < map_.cells_high; ++y) {
-      for (std::uint32_t x = 1; x + 1 < map_.cells_wide; ++x) {
-        FloatSurface plane;
-        if (!seed_plane(x, y, limit, plane)) continue;
-        if (map_.regions >= kMaxSurfaces) break;
-        const auto label = static_cast<std::uint8_t>(map_.regions + 1);
-        const std::uint32_t seed = y * map_.cells_wide + x;
-        const std::uint32_t grown = grow(seed, plane, label);
-        if (grown >= kLeastCells) {
-          map_.regions = label;
-          fits[label - 1U] = {};
-          fits[label - 1U].surface = plane;
-          fits[label - 1U].valid = true;
-          continue;
-        }
-        for (std::uint32_t i = 0; i < grown; ++i) labels_[queue_[i]] = 0;
-        labels_[seed] = kGivenUp;
-      }
-    }
-    std::replace(map_.labels.begin(), map_.labels.end(), kGivenUp, std::uint8_t{0});
-  }
+// Finds planes of at least so many cells among those that no region holds.
+void RegionRefiner::discover(std::uint32_t least_cells, std::span<RegionFit> fits) noexcept {
+  for (const float limit : {kFlatGroup, kSeedGroup}) discover(least_cells, limit, fits);
 }
 
-// Joins planes that are one, wherever they lie: parts of a wall behind something, shelves' fronts.
-void RegionRefiner::join(std::span<RegionFit> fits) noexcept {
-  struct Plane {
-    PlaneSums sums;
-    double readings = 0, squares = 0;
-  };
-  std::array<Plane, kMaxSurfaces + 1> planes{};
+void RegionRefiner::discover(std::uint32_t least_cells, float limit,
+                             std::span<RegionFit> fits) noexcept {
+  for (std::uint32_t y = 1; y + 1 < map_.cells_high; ++y) {
+    for (std::uint32_t x = 1; x + 1 < map_.cells_wide; ++x) {
+      FloatSurface plane;
+      if (map_.regions >= kMaxSurfaces) break;
+      if (!seed_plane(x, y, limit, plane)) continue;
+      const auto label = static_cast<std::uint8_t>(map_.regions + 1);
+      const std::uint32_t seed = y * map_.cells_wide + x;
+      const std::uint32_t grown = grow(seed, plane, label);
+      if (grown >= least_cells) {
+        map_.regions = label;
+        fits[label - 1U] = {};
+        fits[label - 1U].surface = plane;
+        fits[label - 1U].valid = true;
+        continue;
+      }
+      for (std::uint32_t i = 0; i < grown; ++i) labels_[queue_[i]] = 0;
+      labels_[seed] = kGivenUp;
+    }
+  }
+  std::replace(map_.labels.begin(), map_.labels.end(), kGivenUp, std::uint8_t{0});
+}
+
+RegionRefiner::Planes RegionRefiner::sum_planes(std::span<const RegionFit> fits) const noexcept {
+  Planes planes{};
   for (std::size_t i = 0; i < map_.labels.size(); ++i) {
     const unsigned label = labels_[i];
     if (label == 0 || is_curved(map_, label) || !fits[label - 1].valid) continue;
@@ -312,22 +317,29 @@ void RegionRefiner::join(std::span<RegionFit> fits) noexcept {
     planes[label].sums.add(plane_sums(cells_[i]));
     planes[label].readings += double{cells_[i].n};
   }
-  std::array<std::uint8_t, kMaxSurfaces + 1> into{};
-  for (std::size_t k = 0; k < into.size(); ++k) into[k] = static_cast<std::uint8_t>(k);
   FloatSurface plane;
-  for (Plane& p : planes) {
+  for (JoinPlane& p : planes) {
     if (p.sums.solve(plane)) {
       p.squares = p.sums.mean_square(plane) * p.sums.n;
     } else {
       p.readings = 0;
     }
   }
+  return planes;
+}
+
+// Joins planes that are one, wherever they lie: parts of a wall behind something, shelves' fronts.
+void RegionRefiner::join(std::span<RegionFit> fits) noexcept {
+  Planes planes = sum_planes(fits);
+  std::array<std::uint8_t, kMaxSurfaces + 1> into{};
+  for (std::size_t k = 0; k < into.size(); ++k) into[k] = static_cast<std::uint8_t>(k);
   for (int a = 1; a <= map_.regions; ++a) {
     for (int b = 1; b <= map_.regions; ++b) {
-      Plane &first = planes[a], &second = planes[b];
+      JoinPlane &first = planes[a], &second = planes[b];
       if (a == b || second.readings == 0 || first.readings < second.readings) continue;
       PlaneSums both = first.sums;
       both.add(second.sums);
+      FloatSurface plane;
       if (!both.solve(plane)) continue;
       const double squares = both.mean_square(plane) * both.n;
       if (squares - first.squares - second.squares > kJoinConstant + kJoinShare * second.readings)

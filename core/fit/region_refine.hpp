@@ -2,6 +2,7 @@
 // faces that are too narrow for the segmentation's cells are found, and no face counts twice.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -41,6 +42,13 @@ class RegionRefiner {
     }
   };
 
+  /// A region of degree one as join() weighs it; no readings: not to be joined.
+  struct JoinPlane {
+    PlaneSums sums;
+    double readings = 0, squares = 0;
+  };
+  using Planes = std::array<JoinPlane, kMaxSurfaces + 1>;
+
   LabelSet labels_around(std::uint32_t x, std::uint32_t y) const noexcept;
   void leave_rest(const FitTables& tables, std::span<const std::uint16_t> depth,
                   std::span<const RegionFit> fits) noexcept;
@@ -52,7 +60,9 @@ class RegionRefiner {
   bool seed_plane(std::uint32_t x, std::uint32_t y, float limit,
                   FloatSurface& plane) const noexcept;
   std::uint32_t grow(std::uint32_t seed, FloatSurface& plane, std::uint8_t label) noexcept;
-  void discover(std::span<RegionFit> fits) noexcept;
+  void discover(std::uint32_t least_cells, std::span<RegionFit> fits) noexcept;
+  void discover(std::uint32_t least_cells, float limit, std::span<RegionFit> fits) noexcept;
+  Planes sum_planes(std::span<const RegionFit> fits) const noexcept;
   void join(std::span<RegionFit> fits) noexcept;
   bool is_inside(std::uint32_t x, std::uint32_t y) const noexcept;
 

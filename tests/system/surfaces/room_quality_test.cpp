@@ -39,8 +39,8 @@ TEST_P(RoomQualityOf, PlanesOfATimeOfFlightCameraAreFound) {
   const RoomQuality sum = quality("azure-nfov", GetParam());
   EXPECT_GE(sum.ratio_percent(), 99.84);
   EXPECT_GE(sum.out_share(), 0.95);
-  EXPECT_GE(sum.precision(), 0.92);
-  EXPECT_GE(sum.recall(), 0.90);
+  EXPECT_GE(sum.precision(), 0.95);
+  EXPECT_GE(sum.recall(), 0.95);
   EXPECT_GE(sum.within_share(), 0.99);
 }
 
