@@ -32,7 +32,9 @@ endif()
 add_library(planecast_flags INTERFACE)
 target_compile_options(planecast_flags INTERFACE
   -ffp-contract=off
-  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion>"
+  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wconversion;-Wno-sign-conversion>"
+  # Files compiled together see each other's anonymous names: only those by themselves are judged.
+  "$<BUILD_INTERFACE:$<IF:$<BOOL:${PLANECAST_UNITY}>,-Wno-subobject-linkage,-Wshadow>>"
   # g++ 12 sees overlaps in std::string + "literal" that are not there (GCC bug 105651).
   "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>>"
   "$<BUILD_INTERFACE:$<$<BOOL:${PLANECAST_WERROR}>:-Werror>>")
@@ -88,12 +90,13 @@ function(planecast_room NAME)
 endfunction()
 
 # planecast_tests(NAME [DEPENDS room...] [LIBS lib...] [LABELS label...]
-#                 [HOST_FILES file...] [HOST_DEPENDS room...])
+#                 [HOST_FILES file...] [HOST_DEPENDS room...] [THREAD_TESTS filter])
 # One GoogleTest program from the *_test.cpp files of the current folder; none where a room it needs
 # is not built. HOST_FILES and HOST_DEPENDS are left out of PLANECAST_EMBEDDED builds. In cross builds
-# the program is one test: each start of the emulator costs time.
+# the program is one test: each start of the emulator costs time. THREAD_TESTS: those with more than
+# one thread, all that a race detector looks at.
 function(planecast_tests NAME)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;LIBS;LABELS;HOST_FILES;HOST_DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "THREAD_TESTS" "DEPENDS;LIBS;LABELS;HOST_FILES;HOST_DEPENDS" ${ARGN})
   file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
   if(PLANECAST_EMBEDDED)
     list(TRANSFORM ARG_HOST_FILES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
@@ -130,6 +133,10 @@ function(planecast_tests NAME)
     set_tests_properties(${NAME} PROPERTIES ${properties})
     return()
   endif()
-  gtest_discover_tests(${NAME}_test TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60
+  set(filter)
+  if(ARG_THREAD_TESTS AND "thread" IN_LIST PLANECAST_SANITIZE)
+    set(filter TEST_FILTER "${ARG_THREAD_TESTS}")
+  endif()
+  gtest_discover_tests(${NAME}_test TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60 ${filter}
                        PROPERTIES ${properties})
 endfunction()
