@@ -105,8 +105,11 @@ TEST_F(Eval, CountsEveryPointThatSurfacesDrop) {
   EXPECT_GT(frame["d1_ab_mm"], frame["d1_ba_mm"]);  // those dropped are far from what is left
   const auto kept =
       run("eval sim:room:1 --size 160x120 --tolerance surfaces --json").json()["frames"][0];
+  EXPECT_EQ(frame["off_surface_dropped"], frame["points_dropped"]);
   EXPECT_EQ(kept["points_dropped"], 0);
-  EXPECT_EQ(kept["off_surface"], frame["off_surface_dropped"]);
+  EXPECT_GT(kept["off_surface"], 0);
+  EXPECT_EQ(kept["points_in"].get<int>(),
+            kept["on_surface"].get<int>() + kept["off_surface"].get<int>());
 }
 
 TEST_F(Eval, DropsOutliersOnlyWhenAskedAndCountsThem) {
