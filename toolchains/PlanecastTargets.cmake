@@ -13,9 +13,9 @@ endif()
 option(PLANECAST_EMBEDDED "Core alone: no LCM, no commands, no file readers; no exceptions, no RTTI" OFF)
 option(PLANECAST_WERROR "Warnings are errors (on in the presets, off for those who only build)" OFF)
 
-# Tests and commands, several files at a time: a whole build in about half the time, a changed file
-# in more of it. tests/run.sh builds so; names in their anonymous namespaces must differ in a folder.
-option(PLANECAST_UNITY "Compile tests and commands several files at a time" OFF)
+# Tests, commands and some rooms, several files at a time: a whole build in about half the time, a
+# changed file in more of it. tests/run.sh builds so; names in anonymous namespaces of a folder differ.
+option(PLANECAST_UNITY "Compile tests, commands and some rooms several files at a time" OFF)
 
 # ccache is used where it is installed and the user chose no launcher.
 if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
@@ -76,6 +76,10 @@ function(planecast_room NAME)
     add_library(planecast_${NAME} STATIC ${SOURCES})
     target_link_libraries(planecast_${NAME} PUBLIC planecast_flags ${ARG_DEPENDS}
                           PRIVATE ${ARG_PRIVATE_LIBS})
+    if(NAME MATCHES "^(io|sim|pipeline|transport)$")  # many small files behind large headers
+      set_target_properties(planecast_${NAME} PROPERTIES
+        UNITY_BUILD ${PLANECAST_UNITY} UNITY_BUILD_BATCH_SIZE 12)
+    endif()
     if(PLANECAST_EMBEDDED)
       target_compile_options(planecast_${NAME} PRIVATE -fno-exceptions -fno-rtti
                              -ffunction-sections -fdata-sections)

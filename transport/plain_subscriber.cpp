@@ -9,8 +9,8 @@
 namespace planecast {
 namespace {
 
-constexpr int kIdleWaitMs = 50;
-constexpr auto kErrorPause = std::chrono::milliseconds(10);
+constexpr int kPlainWaitMs = 50;
+constexpr auto kPlainErrorPause = std::chrono::milliseconds(10);
 
 }  // namespace
 
@@ -33,10 +33,10 @@ struct PlainSubscriber::Impl {
 
   void run() noexcept {
     while (!stopping.load(std::memory_order_acquire)) {
-      if (link->handle(kIdleWaitMs) >= 0) continue;
+      if (link->handle(kPlainWaitMs) >= 0) continue;
       ++counts.receive_errors;
       box.store(counts);
-      std::this_thread::sleep_for(kErrorPause);
+      std::this_thread::sleep_for(kPlainErrorPause);
     }
   }
 };

@@ -14,7 +14,8 @@ namespace planecast {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view kCutShort = "the file is cut short, or its header is wrong: get it anew";
+constexpr std::string_view kPcdCutShort =
+    "the file is cut short, or its header is wrong: get it anew";
 
 // Where one axis lies in a block of memory: point i starts at first + i * stride.
 struct Axis {
@@ -57,7 +58,7 @@ Error left_over(const fs::path& path, std::size_t offset, std::size_t bytes) {
 Error too_short(const fs::path& path, std::size_t size, std::uint64_t needed) {
   return file_error(path, at_byte(size),
                     "the file ends, the header promises data up to byte " + std::to_string(needed),
-                    kCutShort);
+                    kPcdCutShort);
 }
 
 Result<std::vector<Point3d>> read_binary(const fs::path& path, const PcdHeader& header,
@@ -90,7 +91,7 @@ Result<std::vector<Point3d>> read_compressed(const fs::path& path, const PcdHead
     return file_error(
         path, at_byte(start),
         std::to_string(packed) + " packed bytes cannot expand to " + std::to_string(expanded),
-        kCutShort);
+        kPcdCutShort);
   }
   if (!all_zero(file.subspan(end))) return left_over(path, end, file.size() - end);
   std::vector<std::uint8_t> data(expanded);
@@ -153,7 +154,7 @@ Result<std::vector<Point3d>> AsciiReader::read() {
   if (text_.size() + 1 < header_.points * header_.point_words * 2) {
     return file_error(path_, at_line(header_.data_line),
                       "the data are too short for POINTS " + std::to_string(header_.points),
-                      kCutShort);
+                      kPcdCutShort);
   }
   points_.reserve(header_.points);
   LineReader reader(text_, header_.data_line);
@@ -166,7 +167,7 @@ Result<std::vector<Point3d>> AsciiReader::read() {
     return file_error(path_, at_line(reader.line()),
                       "the file ends after " + std::to_string(points_.size()) +
                           " points, the header promises " + std::to_string(header_.points),
-                      kCutShort);
+                      kPcdCutShort);
   }
   return std::move(points_);
 }

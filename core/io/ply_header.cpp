@@ -12,7 +12,7 @@
 namespace planecast {
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = 64 * 1024;
+constexpr std::size_t kMaxPlyHeaderBytes = 64 * 1024;
 
 std::optional<PlyType> type_of(std::string_view name) noexcept {
   constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes = {{
@@ -167,7 +167,7 @@ bool PlyHeaderParser::finish() {
 }
 
 Result<PlyHeader> PlyHeaderParser::parse() {
-  LineReader reader(as_text(file_).substr(0, kMaxHeaderBytes));
+  LineReader reader(as_text(file_).substr(0, kMaxPlyHeaderBytes));
   std::string_view line;
   if (!reader.next(line) || trimmed(line) != "ply") {
     return file_error(path_, at_line(1), "the file does not start with 'ply'",
