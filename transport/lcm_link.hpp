@@ -2,6 +2,7 @@
 // (the route, the receive buffer, the file descriptor) and turns its silence into errors.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,6 +14,11 @@
 #include "transport/lcm_url.hpp"
 
 namespace planecast {
+
+/// How long a receiving thread waits for a message before it looks whether it shall stop [ms], and
+/// how long it rests after an error of the network.
+inline constexpr std::int64_t kIdleWaitMs = 50;
+inline constexpr std::chrono::milliseconds kErrorPause{10};
 
 /// Longest channel name liblcm carries.
 inline constexpr std::size_t kMaxChannelBytes = 63;

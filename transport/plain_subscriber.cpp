@@ -7,12 +7,6 @@
 #include "transport/wake.hpp"
 
 namespace planecast {
-namespace {
-
-constexpr int kPlainWaitMs = 50;
-constexpr auto kPlainErrorPause = std::chrono::milliseconds(10);
-
-}  // namespace
 
 struct PlainSubscriber::Impl {
   Callback callback;
@@ -33,10 +27,10 @@ struct PlainSubscriber::Impl {
 
   void run() noexcept {
     while (!stopping.load(std::memory_order_acquire)) {
-      if (link->handle(kPlainWaitMs) >= 0) continue;
+      if (link->handle(static_cast<int>(kIdleWaitMs)) >= 0) continue;
       ++counts.receive_errors;
       box.store(counts);
-      std::this_thread::sleep_for(kPlainErrorPause);
+      std::this_thread::sleep_for(kErrorPause);
     }
   }
 };

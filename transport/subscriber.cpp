@@ -8,12 +8,6 @@
 #include "transport/wake.hpp"
 
 namespace planecast {
-namespace {
-
-constexpr std::int64_t kIdleWaitMs = 50;
-constexpr auto kErrorPause = std::chrono::milliseconds(10);
-
-}  // namespace
 
 struct Subscriber::Impl {
   ParseFn parse = nullptr;

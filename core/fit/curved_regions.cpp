@@ -9,8 +9,6 @@ namespace {
 // What one plane and two may add to the squared residuals of a surface of degree two: a constant,
 // since neighbouring pixels share noise, and a share of the readings.
 constexpr double kOneConstant = 400, kOneShare = 0.05, kTwoConstant = 400;
-// A cell's residual says no more than that it is on none beyond this [noise variances].
-constexpr float kMostResidual = 9;
 constexpr std::uint32_t kLeastCells = 6;  // of either of two planes
 constexpr int kRounds = 4;
 
@@ -20,7 +18,7 @@ struct TwoPlanes {
 };
 
 double squares_of(const Cell& cell, float residual) noexcept {
-  return double{cell.n} * double{std::min(residual, kMostResidual)};
+  return double{cell.n} * double{std::min(residual, kMostCellResidual)};
 }
 
 bool is_second(const Cell& cell, const TwoPlanes& two) noexcept {
@@ -58,7 +56,7 @@ bool settle(std::span<const Cell> cells, std::span<const std::uint32_t> of, Seco
       const float other = cell_residual(cells[i], two.plane[1]);
       const float least = std::min(first, other);
       two.squares += squares_of(cells[i], least);
-      if (least > kMostResidual) continue;
+      if (least > kMostCellResidual) continue;
       sums[other < first ? 1 : 0].add(plane_sums(cells[i]));
       ++count[other < first ? 1 : 0];
     }
@@ -91,6 +89,36 @@ bool best_two(std::span<const Cell> cells, std::span<const std::uint32_t> of,
   return found;
 }
 
+// A region's cells, first in `scratch`, with how well its surface and how well one plane fit them.
+struct Weighed {
+  std::span<const std::uint32_t> cells;
+  FloatSurface plane;
+  double curved = 0, flat = 0, readings = 0;  ///< squared residuals of both; what they are of
+  bool valid = false;                         ///< the cells have a plane
+};
+
+Weighed weigh(const RegionMap& regions, int label, const FloatSurface& surface,
+              std::span<std::uint32_t> scratch) noexcept {
+  Weighed out;
+  PlaneSums sums;
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < regions.labels.size(); ++i) {
+    if (regions.labels[i] != label) continue;
+    scratch[count++] = i;
+    const Cell& cell = regions.cells[i];
+    const float residual = cell_residual(cell, surface);
+    out.curved += squares_of(cell, residual);
+    out.readings += double{cell.n};
+    if (residual <= kMostCellResidual) sums.add(plane_sums(cell));
+  }
+  out.cells = scratch.first(count);
+  out.valid = sums.solve(out.plane);
+  if (!out.valid) return out;
+  for (const std::uint32_t i : out.cells)
+    out.flat += squares_of(regions.cells[i], cell_residual(regions.cells[i], out.plane));
+  return out;
+}
+
 }  // namespace
 
 int flatten_curved(RegionMap& regions, std::span<RegionFit> fits,
@@ -101,31 +129,16 @@ int flatten_curved(RegionMap& regions, std::span<RegionFit> fits,
     RegionFit& fit = fits[k - 1];
     const std::uint64_t bit = std::uint64_t{1} << k;
     if ((regions.curved & bit) == 0 || !fit.valid) continue;
-    std::size_t count = 0;
-    PlaneSums sums;
-    double squares = 0, readings = 0;
-    for (std::uint32_t i = 0; i < regions.labels.size(); ++i) {
-      if (regions.labels[i] != k) continue;
-      scratch[count++] = i;
-      const Cell& cell = regions.cells[i];
-      const float residual = cell_residual(cell, fit.surface);
-      squares += squares_of(cell, residual);
-      readings += double{cell.n};
-      if (residual <= kMostResidual) sums.add(plane_sums(cell));
-    }
-    const std::span<const std::uint32_t> of = scratch.first(count);
-    FloatSurface plane;
-    if (!sums.solve(plane)) continue;
-    double flat = 0;
-    for (const std::uint32_t i : of)
-      flat += squares_of(regions.cells[i], cell_residual(regions.cells[i], plane));
+    const Weighed region = weigh(regions, k, fit.surface, scratch);
+    if (!region.valid) continue;
     TwoPlanes two;
-    if (flat - squares <= kOneConstant + kOneShare * readings) {
-      fit.surface = plane;
-    } else if (regions.regions < kMaxSurfaces && best_two(regions.cells, of, fit.surface, two) &&
-               two.squares - squares <= kTwoConstant) {
+    if (region.flat - region.curved <= kOneConstant + kOneShare * region.readings) {
+      fit.surface = region.plane;
+    } else if (regions.regions < kMaxSurfaces &&
+               best_two(regions.cells, region.cells, fit.surface, two) &&
+               two.squares - region.curved <= kTwoConstant) {
       const int label = ++regions.regions;
-      for (const std::uint32_t i : of) {
+      for (const std::uint32_t i : region.cells) {
         if (is_second(regions.cells[i], two)) regions.labels[i] = static_cast<std::uint8_t>(label);
       }
       fit.surface = two.plane[0];

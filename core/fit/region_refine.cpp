@@ -11,9 +11,6 @@
 namespace planecast {
 namespace {
 
-// What a cell's residual may be in a region at all, in noise variances. Less loses points of real
-// sensors, whose noise is more than their model says.
-constexpr float kMostResidual = 9;
 // What a neighbour in another region adds to a cell's residual: borders run straight where the
 // readings do not say otherwise.
 constexpr float kBorder = 1;
@@ -153,7 +150,7 @@ void RegionRefiner::settle(std::span<const RegionFit> fits) noexcept {
         labels_[i] = best_label(x, y, fits);
       } else if (labels_[i] != 0) {  // nothing else is on offer
         const RegionFit& fit = fits[labels_[i] - 1U];
-        const bool holds = fit.valid && cell_residual(cells_[i], fit.surface) < kMostResidual;
+        const bool holds = fit.valid && cell_residual(cells_[i], fit.surface) < kMostCellResidual;
         if (!holds) labels_[i] = 0;
       }
     }
@@ -182,7 +179,7 @@ std::uint8_t RegionRefiner::best_label(std::uint32_t x, std::uint32_t y,
                                   y + 1 < map_.cells_high ? labels_[i + wide] : std::uint8_t{0}};
   const LabelSet offers = labels_around(x, y);
   std::uint8_t best = 0;
-  float least = kMostResidual;
+  float least = kMostCellResidual;
   for (int k = 0; k < offers.count; ++k) {
     const std::uint8_t label = offers.label[k];
     if (!fits[label - 1U].valid) continue;
@@ -261,7 +258,7 @@ void RegionRefiner::leave_rest(const FitTables& tables, std::span<const std::uin
       const LabelSet around = labels_around(x, y);
       const std::uint32_t u0 = x * kFineSide, v0 = y * kFineSide;
       const std::uint32_t readings = cell_readings(rays, depth, u0, v0);
-      const float most = kMostResidual * cells_[i].variance;
+      const float most = kMostCellResidual * cells_[i].variance;
       std::uint32_t rest = readings;
       for (std::uint32_t left = readings; left != 0; left &= left - 1) {
         const auto bit = static_cast<std::uint32_t>(std::countr_zero(left));

@@ -11,6 +11,10 @@
 
 namespace planecast {
 
+/// What to do about a body that holds less than its header says.
+inline constexpr std::string_view kCutShort =
+    "the file is cut short, or its header is wrong: get it anew";
+
 /// Builds the Error of a file: `place` ("line 7", "byte 12") may be empty, `mend` says what to do.
 Error file_error(const std::filesystem::path& path, std::string_view place, std::string_view what,
                  std::string_view mend, Status status = Status::kUnreadable);

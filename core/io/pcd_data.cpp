@@ -14,8 +14,6 @@ namespace planecast {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view kPcdCutShort =
-    "the file is cut short, or its header is wrong: get it anew";
 
 // Where one axis lies in a block of memory: point i starts at first + i * stride.
 struct Axis {
@@ -58,7 +56,7 @@ Error left_over(const fs::path& path, std::size_t offset, std::size_t bytes) {
 Error too_short(const fs::path& path, std::size_t size, std::uint64_t needed) {
   return file_error(path, at_byte(size),
                     "the file ends, the header promises data up to byte " + std::to_string(needed),
-                    kPcdCutShort);
+                    kCutShort);
 }
 
 Result<std::vector<Point3d>> read_binary(const fs::path& path, const PcdHeader& header,
@@ -91,7 +89,7 @@ Result<std::vector<Point3d>> read_compressed(const fs::path& path, const PcdHead
     return file_error(
         path, at_byte(start),
         std::to_string(packed) + " packed bytes cannot expand to " + std::to_string(expanded),
-        kPcdCutShort);
+        kCutShort);
   }
   if (!all_zero(file.subspan(end))) return left_over(path, end, file.size() - end);
   std::vector<std::uint8_t> data(expanded);
@@ -154,7 +152,7 @@ Result<std::vector<Point3d>> AsciiReader::read() {
   if (text_.size() + 1 < header_.points * header_.point_words * 2) {
     return file_error(path_, at_line(header_.data_line),
                       "the data are too short for POINTS " + std::to_string(header_.points),
-                      kPcdCutShort);
+                      kCutShort);
   }
   points_.reserve(header_.points);
   LineReader reader(text_, header_.data_line);
@@ -167,7 +165,7 @@ Result<std::vector<Point3d>> AsciiReader::read() {
     return file_error(path_, at_line(reader.line()),
                       "the file ends after " + std::to_string(points_.size()) +
                           " points, the header promises " + std::to_string(header_.points),
-                      kPcdCutShort);
+                      kCutShort);
   }
   return std::move(points_);
 }

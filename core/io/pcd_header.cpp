@@ -12,7 +12,6 @@
 namespace planecast {
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = 64 * 1024;
 constexpr std::uint64_t kMaxPointBytes = 1U << 20U;
 constexpr std::array<std::string_view, 10> kKeywords = {
     "VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "POINTS", "DATA", "VIEWPOINT"};

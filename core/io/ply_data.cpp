@@ -14,8 +14,6 @@ namespace planecast {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view kPlyCutShort =
-    "the file is cut short, or its header is wrong: get it anew";
 
 // Takes value after value from a binary body. Both cursors share the interface that PlyWalker uses.
 class BinaryCursor {
@@ -158,7 +156,7 @@ class PlyWalker {
     if (element.count > cursor_.remaining() / least) {
       return fail("the file is too short for element " + in_quotes(element.name) + " " +
                       std::to_string(element.count),
-                  kPlyCutShort);
+                  kCutShort);
     }
     if (is_vertex) points_.reserve(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -179,7 +177,7 @@ class PlyWalker {
   bool read_value(const PlyProperty& property, Point3d& point) {
     double value = 0;
     if (!cursor_.read(property.type, value)) {
-      return fail("no number for property " + in_quotes(property.name), kPlyCutShort);
+      return fail("no number for property " + in_quotes(property.name), kCutShort);
     }
     if (property.name == "x") point.x = value;
     if (property.name == "y") point.y = value;
@@ -194,7 +192,7 @@ class PlyWalker {
                       length == std::floor(length);
     if (!good || !cursor_.skip(property.type, static_cast<std::uint64_t>(length))) {
       return fail("list " + in_quotes(property.name) + " has a wrong length or ends too early",
-                  kPlyCutShort);
+                  kCutShort);
     }
     return true;
   }

@@ -12,8 +12,6 @@
 namespace planecast {
 namespace {
 
-constexpr std::size_t kMaxPlyHeaderBytes = 64 * 1024;
-
 std::optional<PlyType> type_of(std::string_view name) noexcept {
   constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes = {{
       {"char", PlyType::kI8},
@@ -167,7 +165,7 @@ bool PlyHeaderParser::finish() {
 }
 
 Result<PlyHeader> PlyHeaderParser::parse() {
-  LineReader reader(as_text(file_).substr(0, kMaxPlyHeaderBytes));
+  LineReader reader(as_text(file_).substr(0, kMaxHeaderBytes));
   std::string_view line;
   if (!reader.next(line) || trimmed(line) != "ply") {
     return file_error(path_, at_line(1), "the file does not start with 'ply'",

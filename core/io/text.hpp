@@ -10,6 +10,9 @@
 
 namespace planecast {
 
+/// Most bytes of the text header of a file; what lies behind is not looked at for one.
+inline constexpr std::size_t kMaxHeaderBytes = 64 * 1024;
+
 /// A whole word as a number: decimal, exponent, nan, inf, Windows' "1.#QNAN"; nullopt otherwise.
 /// A magnitude beyond double is refused, not turned into infinity.
 std::optional<double> parse_number(std::string_view word) noexcept;

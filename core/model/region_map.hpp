@@ -31,6 +31,10 @@ struct Cell {
   }
 };
 
+/// What a cell's residual may be in a region at all, in noise variances. Less loses points of real
+/// sensors, whose noise is more than their model says.
+inline constexpr float kMostCellResidual = 9;
+
 /// Residual of a cell from a surface, in noise variances (mean square of a reading).
 inline float cell_residual(const Cell& cell, const FloatSurface& s) noexcept {
   const double x = double{cell.x}, y = double{cell.y};

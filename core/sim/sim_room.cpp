@@ -1,10 +1,10 @@
 #include "core/sim/sim_room.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <utility>
 
+#include "core/sim/sim_error.hpp"
 #include "core/sim/sim_seed.hpp"
 
 namespace planecast {
@@ -24,12 +24,6 @@ DepthNoiseConfig noise_config(const SimConfig& config) {
   out.min_m = config.min_m;
   out.max_m = config.max_m;
   return out;
-}
-
-Error bad(const char* name, double value, const char* mend) {
-  char text[160];
-  std::snprintf(text, sizeof text, "simulator: %s = %g: %s", name, value, mend);
-  return {Status::kBadConfig, text};
 }
 
 bool within(double value, double low, double high) {
@@ -60,25 +54,26 @@ Result<RoomSimulator> RoomSimulator::create(const SimConfig& config, SimScene sc
   auto camera = quantise(config.intrinsics, config.width, config.height);
   if (!camera) return camera.error();
   if (!within(config.rate_hz, 0.01, 10000)) {
-    return bad("rate", config.rate_hz, "frames a second, 0.01 to 10000");
+    return bad_value("rate", config.rate_hz, "frames a second, 0.01 to 10000");
   }
-  if (!within(config.dropout, 0, 1)) return bad("dropout", config.dropout, "a share, 0 to 1");
+  if (!within(config.dropout, 0, 1)) return bad_value("dropout", config.dropout, "a share, 0 to 1");
   if (!within(config.correlated_share, 0, 1)) {
-    return bad("correlated share", config.correlated_share, "a share, 0 to 1");
+    return bad_value("correlated share", config.correlated_share, "a share, 0 to 1");
   }
-  if (!within(config.baseline_m, 0, 100)) return bad("baseline", config.baseline_m, "0 to 100 m");
+  if (!within(config.baseline_m, 0, 100))
+    return bad_value("baseline", config.baseline_m, "0 to 100 m");
   if (!within(config.steps_per_pixel, 0, 65536)) {
-    return bad("steps per pixel", config.steps_per_pixel, "0 to 65536");
+    return bad_value("steps per pixel", config.steps_per_pixel, "0 to 65536");
   }
   if (scene.surface_count() > 65535) {
-    return bad("surfaces", static_cast<double>(scene.surface_count()), "at most 65535");
+    return bad_value("surfaces", static_cast<double>(scene.surface_count()), "at most 65535");
   }
   RoomSimulator simulator(config, std::move(scene), *camera);
   std::vector<std::int32_t> storage(ray_table_entries(*camera));
   RayTable rays;
   if (build_ray_table(*camera, storage, rays) != Status::kOk) {
-    return bad("k1", config.intrinsics.k1,
-               "this distortion cannot be undone at every pixel; give smaller coefficients");
+    return bad_value("k1", config.intrinsics.k1,
+                     "this distortion cannot be undone at every pixel; give smaller coefficients");
   }
   std::size_t i = 0;
   for (std::uint32_t v = 0; v < config.height; ++v) {

@@ -1,10 +1,10 @@
 #include "core/sim/sim_scan.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "core/base/random.hpp"
+#include "core/sim/sim_error.hpp"
 #include "core/sim/sim_math.hpp"
 #include "core/sim/sim_seed.hpp"
 
@@ -14,12 +14,6 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 // Optical axes (x right, y down, z forward) in axes that look along x with z up.
 constexpr Pose kLevelFromOptical{0.5, -0.5, 0.5, -0.5, 0, 0, 0};
-
-Error bad_scan(const char* name, double value, const char* mend) {
-  char text[160];
-  std::snprintf(text, sizeof text, "simulator: %s = %g: %s", name, value, mend);
-  return {Status::kBadConfig, text};
-}
 
 // One number of mean 0 and deviation 1 (Box and Muller).
 double gauss(Pcg32& random) {
@@ -31,15 +25,15 @@ double gauss(Pcg32& random) {
 
 Result<ScanSimulator> ScanSimulator::create(const ScanConfig& config, SimScene scene) {
   if (config.turns < 1 || config.turns > 100'000)
-    return bad_scan("turns", config.turns, "positions of the laser, 1 to 100000");
+    return bad_value("turns", config.turns, "positions of the laser, 1 to 100000");
   if (config.beams < 1 || config.beams > 100'000)
-    return bad_scan("beams", config.beams, "beams a position, 1 to 100000");
+    return bad_value("beams", config.beams, "beams a position, 1 to 100000");
   if (!(config.beam_reach_rad > 0 && config.beam_reach_rad <= 1.4))
-    return bad_scan("beam reach", config.beam_reach_rad, "elevation either way, up to 1.4 rad");
+    return bad_value("beam reach", config.beam_reach_rad, "elevation either way, up to 1.4 rad");
   if (!(config.dropout >= 0 && config.dropout <= 1))
-    return bad_scan("dropout", config.dropout, "a share, 0 to 1");
+    return bad_value("dropout", config.dropout, "a share, 0 to 1");
   if (!(config.rate_hz >= 0.01 && config.rate_hz <= 10000))
-    return bad_scan("rate", config.rate_hz, "scans a second, 0.01 to 10000");
+    return bad_value("rate", config.rate_hz, "scans a second, 0.01 to 10000");
   return ScanSimulator(config, std::move(scene));
 }
 

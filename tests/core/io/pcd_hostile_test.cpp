@@ -10,6 +10,7 @@
 namespace planecast {
 namespace {
 
+using test::HeaderLie;
 using test::patched;
 using test::TempFolder;
 
@@ -41,13 +42,7 @@ TEST(PcdHostile, TheUnpatchedFileIsGood) {
   EXPECT_TRUE(read_pcd(folder.file("a.pcd", kGood)).ok());
 }
 
-struct PcdLie {
-  std::string from;
-  std::string to;
-  std::string message;
-};
-
-class PcdHeaderLies : public testing::TestWithParam<PcdLie> {};
+class PcdHeaderLies : public testing::TestWithParam<HeaderLie> {};
 
 TEST_P(PcdHeaderLies, AreRefusedByName) {
   const TempFolder folder;
@@ -61,38 +56,42 @@ TEST_P(PcdHeaderLies, AreRefusedByName) {
 
 INSTANTIATE_TEST_SUITE_P(
     Each, PcdHeaderLies,
-    testing::Values(
-        PcdLie{"POINTS 2", "POINTS 4000000000", "limit"},
-        PcdLie{"POINTS 2", "POINTS 3", "is not POINTS 3"},
-        PcdLie{"POINTS 2", "POINTS 99999999999999999999999", "64 bits"},
-        PcdLie{"POINTS 2", "POINTS 4e9", "whole number"},
-        PcdLie{"POINTS 2", "POINTS -2", "whole number"},
-        PcdLie{"WIDTH 2\nHEIGHT 1", "WIDTH 67108864\nHEIGHT 67108864", "is not POINTS"},
-        PcdLie{"WIDTH 2\nHEIGHT 1", "WIDTH 4294967296\nHEIGHT 4294967296", "limit"},
-        PcdLie{"WIDTH 2\nHEIGHT 1", "WIDTH -1\nHEIGHT -2", "line 6"},
-        PcdLie{"WIDTH 2", "WIDTH 0", "is not POINTS 2"},
-        PcdLie{"HEIGHT 1", "HEIGHT 0", "is not POINTS 2"},
-        PcdLie{"WIDTH 2\nHEIGHT 1\n", "HEIGHT 2\n", "is not POINTS 2"},
-        PcdLie{"SIZE 4 4 4", "SIZE 4 4 3", "SIZE"}, PcdLie{"SIZE 4 4 4", "SIZE 4 4 2", "SIZE 2"},
-        PcdLie{"SIZE 4 4 4", "SIZE 4 4", "SIZE has 2 entries"},
-        PcdLie{"SIZE 4 4 4", "SIZE 4 4 0", "SIZE"}, PcdLie{"SIZE 4 4 4", "SIZE 4 4 -4", "SIZE"},
-        PcdLie{"TYPE F F F", "TYPE F F U", "TYPE U"}, PcdLie{"TYPE F F F", "TYPE F F Q", "'Q'"},
-        PcdLie{"TYPE F F F", "TYPE F F F F", "TYPE has 4"},
-        PcdLie{"COUNT 1 1 1", "COUNT 1 1 2", "COUNT 2"},
-        PcdLie{"COUNT 1 1 1", "COUNT 1 1 0", "COUNT"},
-        PcdLie{"COUNT 1 1 1", "COUNT 4294967295 1 1", "COUNT"},
-        PcdLie{"COUNT 1 1 1", "COUNT 1048576 1048576 1048576", "bytes"},
-        PcdLie{"FIELDS x y z", "FIELDS x y w", "z is missing"},
-        PcdLie{"FIELDS x y z", "FIELDS x x z", "more than once"},
-        PcdLie{"FIELDS x y z", "FIELDS", "FIELDS"},
-        PcdLie{"FIELDS x y z\n", "", "FIELDS is missing"},
-        PcdLie{"VERSION 0.7", "VERSION 0.8", "0.8"}, PcdLie{"VERSION 0.7", "VERSION", "version"},
-        PcdLie{"VERSION 0.7", "PNG", "not known"},
-        PcdLie{"VERSION 0.7", "VERSION 0.7\nVERSION 0.7", "twice"},
-        PcdLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0", "VIEWPOINT"},
-        PcdLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0 0 0 0 0", "VIEWPOINT"},
-        PcdLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT nan 0 0 1 0 0 0", "VIEWPOINT"},
-        PcdLie{"DATA ", "DATA zip_", "zip_"}));
+    testing::Values(HeaderLie{"POINTS 2", "POINTS 4000000000", "limit"},
+                    HeaderLie{"POINTS 2", "POINTS 3", "is not POINTS 3"},
+                    HeaderLie{"POINTS 2", "POINTS 99999999999999999999999", "64 bits"},
+                    HeaderLie{"POINTS 2", "POINTS 4e9", "whole number"},
+                    HeaderLie{"POINTS 2", "POINTS -2", "whole number"},
+                    HeaderLie{"WIDTH 2\nHEIGHT 1", "WIDTH 67108864\nHEIGHT 67108864",
+                              "is not POINTS"},
+                    HeaderLie{"WIDTH 2\nHEIGHT 1", "WIDTH 4294967296\nHEIGHT 4294967296", "limit"},
+                    HeaderLie{"WIDTH 2\nHEIGHT 1", "WIDTH -1\nHEIGHT -2", "line 6"},
+                    HeaderLie{"WIDTH 2", "WIDTH 0", "is not POINTS 2"},
+                    HeaderLie{"HEIGHT 1", "HEIGHT 0", "is not POINTS 2"},
+                    HeaderLie{"WIDTH 2\nHEIGHT 1\n", "HEIGHT 2\n", "is not POINTS 2"},
+                    HeaderLie{"SIZE 4 4 4", "SIZE 4 4 3", "SIZE"},
+                    HeaderLie{"SIZE 4 4 4", "SIZE 4 4 2", "SIZE 2"},
+                    HeaderLie{"SIZE 4 4 4", "SIZE 4 4", "SIZE has 2 entries"},
+                    HeaderLie{"SIZE 4 4 4", "SIZE 4 4 0", "SIZE"},
+                    HeaderLie{"SIZE 4 4 4", "SIZE 4 4 -4", "SIZE"},
+                    HeaderLie{"TYPE F F F", "TYPE F F U", "TYPE U"},
+                    HeaderLie{"TYPE F F F", "TYPE F F Q", "'Q'"},
+                    HeaderLie{"TYPE F F F", "TYPE F F F F", "TYPE has 4"},
+                    HeaderLie{"COUNT 1 1 1", "COUNT 1 1 2", "COUNT 2"},
+                    HeaderLie{"COUNT 1 1 1", "COUNT 1 1 0", "COUNT"},
+                    HeaderLie{"COUNT 1 1 1", "COUNT 4294967295 1 1", "COUNT"},
+                    HeaderLie{"COUNT 1 1 1", "COUNT 1048576 1048576 1048576", "bytes"},
+                    HeaderLie{"FIELDS x y z", "FIELDS x y w", "z is missing"},
+                    HeaderLie{"FIELDS x y z", "FIELDS x x z", "more than once"},
+                    HeaderLie{"FIELDS x y z", "FIELDS", "FIELDS"},
+                    HeaderLie{"FIELDS x y z\n", "", "FIELDS is missing"},
+                    HeaderLie{"VERSION 0.7", "VERSION 0.8", "0.8"},
+                    HeaderLie{"VERSION 0.7", "VERSION", "version"},
+                    HeaderLie{"VERSION 0.7", "PNG", "not known"},
+                    HeaderLie{"VERSION 0.7", "VERSION 0.7\nVERSION 0.7", "twice"},
+                    HeaderLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0", "VIEWPOINT"},
+                    HeaderLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0 0 0 0 0", "VIEWPOINT"},
+                    HeaderLie{"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT nan 0 0 1 0 0 0", "VIEWPOINT"},
+                    HeaderLie{"DATA ", "DATA zip_", "zip_"}));
 
 TEST(PcdHostile, AsciiLinesMustBeWhole) {
   const TempFolder folder;

@@ -9,6 +9,7 @@
 namespace planecast {
 namespace {
 
+using test::HeaderLie;
 using test::patched;
 using test::random_cloud;
 using test::same_points;
@@ -119,13 +120,7 @@ TEST(Ply, HeaderWithWindowsLineEndsIsRead) {
   EXPECT_TRUE(same_points(cloud->points, {{1, 2, 3}}));
 }
 
-struct PlyLie {
-  std::string from;
-  std::string to;
-  std::string message;
-};
-
-class PlyHeaderLies : public testing::TestWithParam<PlyLie> {};
+class PlyHeaderLies : public testing::TestWithParam<HeaderLie> {};
 
 TEST_P(PlyHeaderLies, AreRefusedByNameInAllEncodings) {
   const TempFolder folder;
@@ -137,23 +132,26 @@ TEST_P(PlyHeaderLies, AreRefusedByNameInAllEncodings) {
 
 INSTANTIATE_TEST_SUITE_P(
     Each, PlyHeaderLies,
-    testing::Values(
-        PlyLie{"vertex 2", "vertex 4000000000", "limit"},
-        PlyLie{"vertex 2", "vertex 60000000", "too short"}, PlyLie{"vertex 2", "vertex 1", ""},
-        PlyLie{"vertex 2", "vertex -2", "line 8"}, PlyLie{"vertex 2", "vertex 2e0", "whole number"},
-        PlyLie{"face 1", "face 18446744073709551615", "too short"},
-        PlyLie{"face 1", "face 99999999999999999999", "whole number"},
-        PlyLie{"face 1", "face 2", ""}, PlyLie{"face 1", "face 0", "after the last element"},
-        PlyLie{"element vertex", "element points", "no vertex"},
-        PlyLie{"element face", "element vertex", "two vertex"},
-        PlyLie{"property float z", "property float w", "property z"},
-        PlyLie{"property float z", "property list uchar float z", "property z"},
-        PlyLie{"property float z", "property float x", "property x"},
-        PlyLie{"property float z", "property half z", "property 'z'"},
-        PlyLie{"property float z", "property float", "type and a name"},
-        PlyLie{"list uchar int", "list float int", "'ids'"},
-        PlyLie{"element camera 1\n", "", "before any element"}, PlyLie{" 1.0", " 2.0", "'2.0'"},
-        PlyLie{"format ", "form ", "'form'"}, PlyLie{"ply\n", "plx\n", "start with 'ply'"}));
+    testing::Values(HeaderLie{"vertex 2", "vertex 4000000000", "limit"},
+                    HeaderLie{"vertex 2", "vertex 60000000", "too short"},
+                    HeaderLie{"vertex 2", "vertex 1", ""},
+                    HeaderLie{"vertex 2", "vertex -2", "line 8"},
+                    HeaderLie{"vertex 2", "vertex 2e0", "whole number"},
+                    HeaderLie{"face 1", "face 18446744073709551615", "too short"},
+                    HeaderLie{"face 1", "face 99999999999999999999", "whole number"},
+                    HeaderLie{"face 1", "face 2", ""},
+                    HeaderLie{"face 1", "face 0", "after the last element"},
+                    HeaderLie{"element vertex", "element points", "no vertex"},
+                    HeaderLie{"element face", "element vertex", "two vertex"},
+                    HeaderLie{"property float z", "property float w", "property z"},
+                    HeaderLie{"property float z", "property list uchar float z", "property z"},
+                    HeaderLie{"property float z", "property float x", "property x"},
+                    HeaderLie{"property float z", "property half z", "property 'z'"},
+                    HeaderLie{"property float z", "property float", "type and a name"},
+                    HeaderLie{"list uchar int", "list float int", "'ids'"},
+                    HeaderLie{"element camera 1\n", "", "before any element"},
+                    HeaderLie{" 1.0", " 2.0", "'2.0'"}, HeaderLie{"format ", "form ", "'form'"},
+                    HeaderLie{"ply\n", "plx\n", "start with 'ply'"}));
 
 TEST(Ply, NegativeAndHugeListLengthsAreRefused) {
   const TempFolder folder;
