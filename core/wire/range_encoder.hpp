@@ -105,8 +105,9 @@ class RangeEncoder {
 
   void add(std::uint64_t value) noexcept {
     low_ += value;
+    // Past an overflow words are lost, and what they carry must not reach those before them.
     if (low_ < value) [[unlikely]]
-      carry(out_.data(), used_);
+      carry(out_.data(), overflow_ ? 0 : used_);
   }
 
   // Given what it needs, not the coder: a coder whose address is nowhere stays in registers.

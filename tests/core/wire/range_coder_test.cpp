@@ -95,6 +95,32 @@ TEST(RangeCoder, GoesBackAsIfNothingHadFollowed) {
   EXPECT_GT(carried, 0);
 }
 
+// What no longer fits is lost, and its carries with it: bytes before the mark stay.
+TEST(RangeCoder, GoesBackFromAnOverflow) {
+  Pcg32 random(78);
+  int overflows = 0;
+  for (int run = 0; run < 3000; ++run) {
+    const auto kept = random_symbols(random, random.below(60));
+    std::vector<std::uint8_t> expected(400), got(400);
+    RangeEncoder whole(expected);
+    const std::size_t fits = encode(kept, whole);
+    RangeEncoder coder({got.data(), fits + random.below(4)});
+    std::vector<BitModel> models(kModels);
+    for (const Symbol& s : kept)
+      s.raw_bits != 0 ? coder.raw(s.value, s.raw_bits) : coder.bit(models[s.model], s.value != 0);
+    ASSERT_FALSE(coder.overflow());
+    const RangeEncoder::Mark mark = coder.mark();
+    for (int i = 0; i < 500; ++i) coder.raw(random.below(4) != 0 ? 1 : 0, 1);
+    overflows += coder.overflow() ? 1 : 0;
+    coder.go_back(mark);
+    ASSERT_EQ(coder.finish(), fits);
+    expected.resize(fits);
+    got.resize(fits);
+    ASSERT_EQ(got, expected) << run;
+  }
+  EXPECT_EQ(overflows, 3000);
+}
+
 TEST(RangeCoder, GivesBackEveryDecisionAndLeavesNoByte) {
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     Pcg32 random(seed);
