@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include "core/base/lanes.hpp"
 #include "core/predict/block_surface.hpp"
@@ -19,6 +20,9 @@ constexpr float kCurvedCost = 1.5F;
 // What a surface saves at most where a block is flat without it (docs/wire-format.md, "Flat
 // blocks"): its plane is foretold by the blocks around nearly as well.
 constexpr float kFlatSaves = 1.5F;
+// A block that is flat and foretold by its own region's surface is not looked at more closely, as
+// most blocks are: bits it gains by the label, and how far off, in windows, foretelling may be.
+constexpr float kFlatGain = 25.0F, kMostOff = 2.6F, kMostTilt = 1.0F;
 // Bits of n corrections of mean magnitude m: n log2(1 + kSpread m), near enough for comparing.
 constexpr float kSpread = 2.5F;
 constexpr float kMissCap = 24.0F;
@@ -136,9 +140,14 @@ float surface_misses(const BlockView& b, const BlockSurface& s, const Window& wi
   return sum4(sum);
 }
 
-// Whether a plane of the block's own holds its sampled readings within the bound: least squares
-// over rows 1, 2, 5 and 6, so that the sums about the middle need no solving.
-bool flat_alone(const BlockView& b, float half) noexcept {
+// A plane of the block's own, in levels: at its middle and by pixel, and how far the farthest
+// reading is from it. All zeroes where there is no reading.
+struct OwnPlane {
+  float middle = 0, dx = 0, dy = 0, farthest = 0;
+};
+
+// Least squares over rows 1, 2, 5 and 6, so that the sums about the middle need no solving.
+OwnPlane own_plane(const BlockView& b) noexcept {
   constexpr float kRowOffset[4] = {-2.5F, -1.5F, 1.5F, 2.5F};
   constexpr float kSquaresX = 168, kSquaresY = 136;
   const Float4 at_x[2] = {{-3.5F, -2.5F, -1.5F, -0.5F}, {0.5F, 1.5F, 2.5F, 3.5F}};
@@ -151,7 +160,7 @@ bool flat_alone(const BlockView& b, float half) noexcept {
     }
   }
   const float readings = sum4(count);
-  if (readings == 0) return true;
+  if (readings == 0) return {};
   const Float4 mean = all4(sum4(sum) / readings);
   Float4 along = all4(0), down = all4(0);
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -171,8 +180,17 @@ bool flat_alone(const BlockView& b, float half) noexcept {
       most = max4(most, keep4(here > all4(0), abs4(here - plane)));
     }
   }
-  const float limit = half + 0.5F;
-  return most[0] <= limit && most[1] <= limit && most[2] <= limit && most[3] <= limit;
+  return {mean[0], dx[0], dy[0], std::max(std::max(most[0], most[1]), std::max(most[2], most[3]))};
+}
+
+// Whether a surface foretells a block's own plane: by how many windows it is off there and tilted
+// from it, from the middle to a corner.
+bool foretells(const BlockSurface& s, const OwnPlane& plane, float half) noexcept {
+  constexpr float kOne = 1.0F / 256, kCorner = 3.5F;
+  const float dx = static_cast<float>(s.dx) * kOne, dy = static_cast<float>(s.dy) * kOne;
+  const float middle = static_cast<float>(s.at_origin) * kOne + kCorner * (dx + dy);
+  return std::abs(middle - plane.middle) < kMostOff * half &&
+         kCorner * (std::abs(dx - plane.dx) + std::abs(dy - plane.dy)) < kMostTilt * half;
 }
 
 float label_bits(std::uint8_t label, std::uint8_t left, std::uint8_t above) noexcept {
@@ -238,7 +256,7 @@ void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16
     load_levels(tables, depth, by);
     for (std::uint32_t bx = 0; bx < regions.cells_wide; ++bx) {
       offers_[std::size_t{by} * regions.cells_wide + bx] =
-          best_offer(tables, block_candidates(regions, surface_of, bx, by), surfaces, bx, by);
+          offer_of(tables, regions, surface_of, surfaces, bx, by);
     }
   }
   const bool lossless = tables.bounds->lossless();
@@ -246,11 +264,32 @@ void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16
          lossless ? kSurfaceBitsLossless : kSurfaceBitsBounded, surfaces, labels);
 }
 
+// The own region's surface for a block that is flat on it, which most are; else the best one.
+BlockLabeller::Offer BlockLabeller::offer_of(const FitTables& tables, const RegionMap& regions,
+                                             std::span<const std::uint8_t> surface_of,
+                                             std::span<const Surface> surfaces, std::uint32_t bx,
+                                             std::uint32_t by) const noexcept {
+  bool flat = false;
+  if (!tables.bounds->lossless()) {
+    const OwnPlane plane = own_plane({levels_.data() + kBorder + bx * 8, stride_, nullptr});
+    const auto middle = static_cast<std::int32_t>(plane.middle + 0.5F);
+    const int half = tables.bounds->half_widths(tables.bounds->ray_class(bx, by))[middle];
+    flat = half > 0 && plane.farthest <= static_cast<float>(half) + 0.5F;
+    const std::uint8_t own = surface_of[regions.labels[std::size_t{by} * regions.cells_wide + bx]];
+    if (flat && middle > 0 && own != 0 &&
+        foretells(block_surface(surfaces[own - 1U], *tables.rays, *tables.levels, bx, by), plane,
+                  static_cast<float>(half))) {
+      return {kFlatGain, own, true};
+    }
+  }
+  return best_offer(tables, block_candidates(regions, surface_of, bx, by), surfaces, flat, bx, by);
+}
+
 // The surface that a block gains most by.
 BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
                                                const Candidates& candidates,
-                                               std::span<const Surface> surfaces, std::uint32_t bx,
-                                               std::uint32_t by) const noexcept {
+                                               std::span<const Surface> surfaces, bool flat,
+                                               std::uint32_t bx, std::uint32_t by) const noexcept {
   Offer best;
   if (candidates.count == 0) return best;
   const auto last = static_cast<std::int32_t>(tables.levels->count()) - 1;
@@ -260,7 +299,6 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
   const std::uint8_t left = bx > 0 ? offers_[block - 1].label : std::uint8_t{0};
   const std::uint8_t above = by > 0 ? offers_[block - blocks_wide(tables)].label : std::uint8_t{0};
   float without = 0, readings = 0, best_worth = 0;
-  bool flat = false;
   for (int i = 0; i < candidates.count; ++i) {
     const std::uint8_t label = candidates.label[i];
     // No surface misses less than nothing.
@@ -275,7 +313,6 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
     if (i == 0) {
       const float misses = neighbour_misses(view, window, readings);
       without = bits_of(misses, readings);
-      flat = half > 0 && flat_alone(view, static_cast<float>(half));
     }
     const float misses = surface_misses(view, s, surface_window, static_cast<float>(12 + 3 * half));
     const float sure = half == 0 ? kSureLossless : kSureBounded;

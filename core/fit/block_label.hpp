@@ -46,8 +46,11 @@ class BlockLabeller {
   void load_levels(const FitTables& tables, std::span<const std::uint16_t> depth,
                    std::uint32_t by) noexcept;
 
+  Offer offer_of(const FitTables& tables, const RegionMap& regions,
+                 std::span<const std::uint8_t> surface_of, std::span<const Surface> surfaces,
+                 std::uint32_t bx, std::uint32_t by) const noexcept;
   Offer best_offer(const FitTables& tables, const Candidates& candidates,
-                   std::span<const Surface> surfaces, std::uint32_t bx,
+                   std::span<const Surface> surfaces, bool flat, std::uint32_t bx,
                    std::uint32_t by) const noexcept;
   void choose(const RegionMap& regions, float own_say, float least,
               std::span<const Surface> surfaces, std::span<BlockLabel> labels) noexcept;
