@@ -17,10 +17,6 @@ constexpr std::int32_t kComparable = 1000;
 // their differences fit 16 bits.
 constexpr std::int32_t kNarrow = 62, kNear = 16383;
 
-std::int32_t floor_div(std::int32_t a, std::int32_t b) noexcept {
-  return a >= 0 ? a / b : -((b - 1 - a) / b);
-}
-
 // Nearest whole number to a / b.
 std::int32_t round_div(std::int64_t a, std::int64_t b) noexcept {
   return static_cast<std::int32_t>(a >= 0 ? (2 * a + b) / (2 * b) : -((2 * -a + b) / (2 * b)));
@@ -30,6 +26,12 @@ std::int32_t round_div(std::int64_t a, std::int64_t b) noexcept {
 struct Shifts {
   std::int32_t least, most;
 };
+
+// Of the whole steps into the shifts the nearest to none; beyond them where there is none within.
+std::int32_t nearest_step(const Shifts& shifts, std::int32_t step) noexcept {
+  if (shifts.least > 0) return (shifts.least + step - 1) / step;
+  return shifts.most < 0 ? -((step - 1 - shifts.most) / step) : 0;
+}
 
 // A surface within kNear of a narrow window's base at all its pixels, as 16 bits.
 struct NearSurface {
@@ -279,10 +281,9 @@ bool fit_flat(FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& 
                                                   foretold.dy + dy * steps.slope, last_level);
     const Shifts shifts = allowed_shifts(window, tilted.surface(), hopeless);
     gap = shifts.least - shifts.most;
-    const std::int32_t first = -floor_div(-shifts.least, steps.offset);
-    const std::int32_t last = floor_div(shifts.most, steps.offset);
-    if (first > last) return false;
-    const std::int32_t offset = std::clamp(0, first, last);
+    if (gap > 0) return false;
+    const std::int32_t offset = nearest_step(shifts, steps.offset);
+    if (offset * steps.offset < shifts.least || offset * steps.offset > shifts.most) return false;
     const std::int32_t moved = foretold.middle + offset * steps.offset;
     if (std::abs(offset) > kMostSteps || moved < 256 || moved > 256 * last_level) return false;
     code = {offset, dx, dy};

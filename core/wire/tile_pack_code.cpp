@@ -80,13 +80,15 @@ void TilePacker::drop_decisions(const Job& job, const BlockState* blocks,
   const PixelDecision* from = decisions_.data();
   for (std::uint32_t i = 0; i < rows * job.rect.bw; ++i) {
     const BlockState& block = blocks[i % job.rect.bw];
-    const bool all = whole(block);
     const PixelDecision* const end = decisions_.data() + ends_[i];
-    for (; from != end; ++from) {
-      const bool needless = (block.corrected == 0 && is_correction(*from)) ||
-                            (block.uniform != 0 && is_choice(*from));
-      if (all || !needless) *to++ = *from;
+    if (whole(block)) {
+      to = std::copy(from, end, to);
+    } else {
+      to = std::copy_if(from, end, to, [&](PixelDecision d) {
+        return (block.corrected != 0 || !is_correction(d)) && (block.uniform == 0 || !is_choice(d));
+      });
     }
+    from = end;
   }
   decided_ = static_cast<std::uint32_t>(to - decisions_.data());
 }
