@@ -17,19 +17,11 @@ double distance(const Point3f& a, const Point3f& b) noexcept {
   return std::sqrt(x * x + y * y + z * z);
 }
 
-Point3f on_ray(const OpticalAxes& axes, const RayTable& rays, std::size_t i,
-               double depth) noexcept {
-  const auto u = static_cast<std::uint32_t>(i % rays.width);
-  const auto v = static_cast<std::uint32_t>(i / rays.width);
-  return axes.point(rays.x(u, v) * kRayUnit, rays.y(u, v) * kRayUnit, depth);
+Point3f on_ray(const OpticalAxes& axes, const RayTable& rays, PixelAt at, double depth) noexcept {
+  return axes.point(rays.x(at.u, at.v) * kRayUnit, rays.y(at.u, at.v) * kRayUnit, depth);
 }
 
 }  // namespace
-
-bool is_depth_reading(const Point3f& p) noexcept {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
-         (p.x != 0 || p.y != 0 || p.z != 0);
-}
 
 OpticalAxes::OpticalAxes(const StreamConfig& config)
     : identity_(config.axes == PoseFixed{} && !config.mirror_y), flip_y_(config.mirror_y ? -1 : 1) {
@@ -85,8 +77,8 @@ double Contract::bound_m(double depth_m) const noexcept {
 }
 
 double misfit_m(const OpticalAxes& axes, const RayTable& rays, double metres_per_count,
-                const Point3f& point, std::size_t i, std::uint16_t count) noexcept {
-  return distance(point, on_ray(axes, rays, i, count * metres_per_count));
+                const Point3f& point, PixelAt at, std::uint16_t count) noexcept {
+  return distance(point, on_ray(axes, rays, at, count * metres_per_count));
 }
 
 CloudFit measure_fit(const StreamConfig& config, const RayTable& rays, const Contract& contract,
@@ -97,13 +89,15 @@ CloudFit measure_fit(const StreamConfig& config, const RayTable& rays, const Con
   CloudFit fit;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (depth[i] == 0 || depth[i] < least || depth[i] > most) continue;
-    const double off = misfit_m(axes, rays, unit, points[i], i, depth[i]);
+    const PixelAt pixel{static_cast<std::uint32_t>(i % rays.width),
+                        static_cast<std::uint32_t>(i / rays.width)};
+    const double off = misfit_m(axes, rays, unit, points[i], pixel, depth[i]);
     fit.worst_m = std::max(fit.worst_m, off);
     if (contract.kind == ToleranceKind::kLossless) continue;
     const double at = axes.depth(points[i]);
     const double bound = contract.bound_m(at);
     const double none = std::numeric_limits<double>::infinity();
-    const double lateral = distance(points[i], on_ray(axes, rays, i, at));
+    const double lateral = distance(points[i], on_ray(axes, rays, pixel, at));
     fit.worst_share = std::max(fit.worst_share, bound > 0 ? off / bound : none);
     fit.lateral_share = std::max(fit.lateral_share, bound > 0 ? lateral / bound : none);
   }

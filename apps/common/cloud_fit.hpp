@@ -2,6 +2,7 @@
 // stream is coded, and checked for every later frame, so that no bound is broken before the codec.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -16,7 +17,10 @@ namespace planecast {
 
 /// True when the point is a reading: finite, and not the exact origin that some recorders write for
 /// a hole.
-bool is_depth_reading(const Point3f& p) noexcept;
+inline bool is_depth_reading(const Point3f& p) noexcept {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
+         (p.x != 0 || p.y != 0 || p.z != 0);
+}
 
 /// From a cloud's own axes to the optical ones of its camera, and back.
 class OpticalAxes {
@@ -61,9 +65,14 @@ struct CloudFit {
   double lateral_share = 0;  ///< the same for the distance from the ray alone
 };
 
-/// Distance of the cloud's point i from the point that the decoder makes of `count` [m].
+/// A pixel's column and row.
+struct PixelAt {
+  std::uint32_t u = 0, v = 0;
+};
+
+/// Distance of a pixel's point from the point that the decoder makes of `count` [m].
 double misfit_m(const OpticalAxes& axes, const RayTable& rays, double metres_per_count,
-                const Point3f& point, std::size_t i, std::uint16_t count) noexcept;
+                const Point3f& point, PixelAt at, std::uint16_t count) noexcept;
 
 /// Measures all readings with counts between the limits. `depth` holds the cloud's counts. O(n).
 CloudFit measure_fit(const StreamConfig& config, const RayTable& rays, const Contract& contract,

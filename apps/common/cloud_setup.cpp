@@ -134,6 +134,19 @@ std::uint16_t gated_count(const StageOptions& stages, double count) {
   return 0;
 }
 
+// The nearest whole number, of what no count is near to one that none is. std::round is a call.
+double nearest_count(double steps) {
+  return static_cast<double>(static_cast<std::int64_t>(std::clamp(steps, -1.0, 1e6) + 0.5));
+}
+
+// The z of every count of a grid [m]: to find a reading's count is to compare it.
+std::shared_ptr<const std::vector<float>> grid_table(const ZGrid& grid) {
+  auto out = std::make_shared<std::vector<float>>(65536);
+  for (std::uint32_t count = 1; count < 65536; ++count)
+    (*out)[count] = grid_z(grid, static_cast<std::uint16_t>(count));
+  return out;
+}
+
 Error off_the_stream(const SensorFrame& frame, std::size_t i) {
   return {Status::kBoundExceeded,
           fmt::format("{}: point {} (column {}, row {}) does not lie on the depth grid and camera "
@@ -150,22 +163,29 @@ Result<Done> count_points(const StreamSetup& setup, const SensorFrame& frame, bo
   const OpticalAxes axes(config);
   const double unit = static_cast<double>(config.camera.unit_pm) * 1e-12;
   const bool lossless = config.tolerance == ToleranceKind::kLossless;
+  const RayTable& rays = setup.rays->table;
   depth.assign(frame.cloud.points.size(), 0);
-  for (std::size_t i = 0; i < depth.size(); ++i) {
-    const Point3f& p = frame.cloud.points[i];
-    if (!is_depth_reading(p)) continue;
-    const double at = axes.depth(p);
-    const double near = std::round(at / unit);
-    depth[i] = gated_count(setup.encoder.stages, near);
-    if (depth[i] != 0) continue;
-    const double count = setup.exact_grid ? grid_count(grid, p.z) : near;
-    if (!(count >= 1 && count <= 65535)) return off_the_stream(frame, i);
-    depth[i] = static_cast<std::uint16_t>(count);
-    if (!measured) continue;
-    const double allowed =
-        lossless ? kExactResidual : setup.allowed_share * setup.contract.bound_m(at);
-    if (misfit_m(axes, setup.rays->table, unit, p, i, depth[i]) > allowed)
-      return off_the_stream(frame, i);
+  for (std::size_t i = 0, v = 0; v < rays.height; ++v) {
+    for (std::uint32_t u = 0; u < rays.width; ++u, ++i) {
+      const Point3f& p = frame.cloud.points[i];
+      if (!is_depth_reading(p)) continue;
+      const double at = axes.depth(p);
+      const double near = nearest_count(at / unit);
+      depth[i] = gated_count(setup.encoder.stages, near);
+      if (depth[i] != 0) continue;
+      const double count =
+          !setup.exact_grid ? near
+          : near >= 1 && near <= 65535 && (*setup.grid_z)[static_cast<std::size_t>(near)] == p.z
+              ? near
+              : grid_count(grid, p.z);
+      if (!(count >= 1 && count <= 65535)) return off_the_stream(frame, i);
+      depth[i] = static_cast<std::uint16_t>(count);
+      if (!measured) continue;
+      const double allowed =
+          lossless ? kExactResidual : setup.allowed_share * setup.contract.bound_m(at);
+      if (misfit_m(axes, rays, unit, p, {u, static_cast<std::uint32_t>(v)}, depth[i]) > allowed)
+        return off_the_stream(frame, i);
+    }
   }
   return Done{};
 }
@@ -181,6 +201,7 @@ Result<bool> settle_grid(const CodecOptions& options, const SourceSensor& sensor
   if (grid) {
     intrinsics.metres_per_unit = static_cast<double>(grid->unit_pm) * 1e-12;
     config.z_rule = static_cast<ZRule>(grid->rule);
+    setup.grid_z = grid_table(*grid);
   } else {
     settle_noise(options, sensor, setup);
     intrinsics.metres_per_unit = chosen_unit(options, setup, extent_of(cloud, config));

@@ -1,5 +1,5 @@
-// Finds the plane that holds every reading of a block within its bound, as few steps as can be from
-// the plane that the decoder foretells. Encoder half.
+// Finds a plane that holds every reading of a block within its bound, few steps from the plane that
+// the decoder foretells, in the middle of what the readings allow. Encoder half.
 #pragma once
 
 #include <cstdint>

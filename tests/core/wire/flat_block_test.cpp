@@ -108,6 +108,30 @@ TEST(FlatBlock, TheFitLeadsToAPlaneWithinEveryWindow) {
   EXPECT_GT(found, 1200);
 }
 
+// A foretold plane that is only just allowed is left for the middle of what is allowed.
+TEST(FlatBlock, ThePlaneLiesInTheMiddleOfItsWindows) {
+  for (const std::int32_t level : {4000, 40000}) {
+    for (std::int32_t half = 1; half < 20; ++half) {
+      const PlaneSteps steps(half);
+      FlatWindow window;
+      for (int i = 0; i < 64; ++i) {
+        window.own[i] = static_cast<std::uint16_t>(level);
+        window.low[i] = static_cast<std::uint16_t>(level - half);
+        window.high[i] = static_cast<std::uint16_t>(level + half);
+      }
+      window.prepare();
+      for (std::int32_t off = -half; off <= half; ++off) {
+        const BlockPlane foretold{(level + off) * 256, 0, 0};
+        FlatCode code;
+        ASSERT_TRUE(fit_flat(window, foretold, steps, 65535, code));
+        EXPECT_EQ(code.dx, 0);
+        const std::int32_t from = foretold.middle + code.offset * steps.offset - level * 256;
+        EXPECT_LE(std::abs(from), (2 * half + 1) * 256 / 5 + 1) << half << " " << off;
+      }
+    }
+  }
+}
+
 TEST(FlatBlock, EightLanesOfSixteenBitsFindWhatWholeNumbersFind) {
   Pcg32 random(10);
   int narrow = 0, found = 0;
