@@ -137,41 +137,35 @@ std::optional<Fit> split_projection(const Matrix3d& projection) {
   return usable(fit) ? std::optional<Fit>(fit) : std::nullopt;
 }
 
-// Direct linear transform: the 3 x Columns matrix P with (u, v, 1) ~ P h(p), h = p or (p, 1), as
-// the smallest eigenvector of the normal matrix. Pixels and points are scaled to about 1 first.
-template <int Columns>
-Eigen::Matrix<double, 3, Columns> direct_linear(const std::vector<Sample>& samples, double scale_px,
-                                                const Vector3d& centre, double scale_m) {
-  constexpr int kUnknowns = 3 * Columns;
-  using Row = Eigen::Matrix<double, kUnknowns, 1>;
-  Eigen::Matrix<double, kUnknowns, kUnknowns> normal;
-  normal.setZero();
+// Direct linear transform: the 3 x columns matrix P with (u, v, 1) ~ P h(p), h = p (3) or (p, 1)
+// (4), as the smallest eigenvector of the normal matrix. Pixels and points are scaled to about 1
+// first. Sizes are known at run time only: unrolled, two of them took a compiler half a minute.
+Eigen::MatrixXd direct_linear(int columns, const std::vector<Sample>& samples, double scale_px,
+                              const Vector3d& centre, double scale_m) {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(3 * columns, 3 * columns);
+  Eigen::VectorXd h = Eigen::VectorXd::Ones(columns);
+  Eigen::VectorXd along_u = Eigen::VectorXd::Zero(3 * columns), along_v = along_u;
   for (const Sample& s : samples) {
-    Eigen::Matrix<double, Columns, 1> h;
-    h.template head<3>() = (s.p - centre) / scale_m;
-    if constexpr (Columns == 4) h[3] = 1;
-    if constexpr (Columns == 3) h.normalize();
-    Row along_u = Row::Zero();
-    Row along_v = Row::Zero();
-    along_u.template head<Columns>() = h;
-    along_u.template tail<Columns>() = -s.u / scale_px * h;
-    along_v.template segment<Columns>(Columns) = h;
-    along_v.template tail<Columns>() = -s.v / scale_px * h;
-    normal.template selfadjointView<Eigen::Lower>().rankUpdate(along_u);
-    normal.template selfadjointView<Eigen::Lower>().rankUpdate(along_v);
+    h.head<3>() = (s.p - centre) / scale_m;
+    if (columns == 3) h.normalize();
+    along_u.head(columns) = h;
+    along_u.tail(columns) = -s.u / scale_px * h;
+    along_v.segment(columns, columns) = h;
+    along_v.tail(columns) = -s.v / scale_px * h;
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(along_u);
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(along_v);
   }
-  const Eigen::SelfAdjointEigenSolver<decltype(normal)> solver(normal);
-  const Row best = solver.eigenvectors().col(0);
-  Eigen::Matrix<double, 3, Columns> projection;
-  for (int row = 0; row < 3; ++row) {
-    projection.row(row) = best.template segment<Columns>(row * Columns).transpose();
-  }
-  projection.template topRows<2>() *= scale_px;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(normal);
+  const Eigen::VectorXd best = solver.eigenvectors().col(0);
+  Eigen::MatrixXd projection(3, columns);
+  for (int row = 0; row < 3; ++row)
+    projection.row(row) = best.segment(row * columns, columns).transpose();
+  projection.topRows(2) *= scale_px;
   return projection;
 }
 
 std::optional<Fit> guess_rotated(double scale_px, const std::vector<Sample>& samples) {
-  Matrix3d projection = direct_linear<3>(samples, scale_px, Vector3d::Zero(), 1.0);
+  Matrix3d projection = direct_linear(3, samples, scale_px, Vector3d::Zero(), 1.0);
   double side = 0;  // the sign that puts the points in front of the camera
   for (const Sample& s : samples) side += projection.row(2).dot(s.p) > 0 ? 1 : -1;
   if (side < 0) projection = -projection;
@@ -186,7 +180,7 @@ std::optional<Fit> guess_moved(double scale_px, const std::vector<Sample>& sampl
   for (const Sample& s : samples) spread += (s.p - centre).squaredNorm();
   spread = std::sqrt(spread / static_cast<double>(samples.size()));
   if (!(spread > 0)) return std::nullopt;
-  Eigen::Matrix<double, 3, 4> projection = direct_linear<4>(samples, scale_px, centre, spread);
+  Eigen::Matrix<double, 3, 4> projection = direct_linear(4, samples, scale_px, centre, spread);
   double side = 0;
   for (const Sample& s : samples) {
     const Vector3d h = (s.p - centre) / spread;
@@ -215,10 +209,8 @@ Matrix3d rotation_of(const Vector3d& w) {
 // shift.
 bool step(Fit& fit, const std::vector<Sample>& samples, const std::vector<double>& misses,
           double limit, int unknowns) {
-  using Vector10 = Eigen::Matrix<double, 10, 1>;
-  Eigen::Matrix<double, 10, 10> normal;
-  normal.setZero();
-  Vector10 gradient = Vector10::Zero();
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(10, 10);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(10), row(10);
   const Matrix3d to_optical = fit.rotation.transpose();
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (misses[i] > limit) continue;
@@ -227,7 +219,7 @@ bool step(Fit& fit, const std::vector<Sample>& samples, const std::vector<double
     const Matrix3d turn = cross_matrix(q);  // dq / dw for rotation * exp(w)
     const double slope[2] = {fit.ax * s.u + fit.bx, fit.ay * s.v + fit.by};
     for (int axis = 0; axis < 2; ++axis) {
-      Vector10 row = Vector10::Zero();
+      row.setZero();
       row[2 * axis] = -q.z() * (axis == 0 ? s.u : s.v);
       row[2 * axis + 1] = -q.z();
       row.segment<3>(4) = (turn.row(axis) - slope[axis] * turn.row(2)).transpose();
@@ -236,13 +228,13 @@ bool step(Fit& fit, const std::vector<Sample>& samples, const std::vector<double
       gradient += (q[axis] - q.z() * slope[axis]) * row;
     }
   }
-  normal = normal.selfadjointView<Eigen::Lower>();
+  normal = Eigen::MatrixXd(normal.selfadjointView<Eigen::Lower>());
   // Scaled to a unit diagonal, so that metres, radians and slopes per pixel weigh alike.
-  const Vector10 scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled =
       (scale.asDiagonal() * normal * scale.asDiagonal()).topLeftCorner(unknowns, unknowns);
   const Eigen::VectorXd right = -(scale.asDiagonal() * gradient).head(unknowns);
-  Vector10 change = Vector10::Zero();
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(10);
   change.head(unknowns) = scale.head(unknowns).asDiagonal() * scaled.ldlt().solve(right);
   fit.ax += change[0];
   fit.bx += change[1];
