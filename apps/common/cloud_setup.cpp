@@ -64,7 +64,7 @@ void make_raw(const CodecOptions& options, const SensorFrame& first, StreamSetup
   config.drop_off_surface = false;
   setup.contract = {};
   setup.bound_m = 0;
-  setup.exact_grid = false;
+  setup.grid.reset();
   setup.rays.reset();
   setup.encoder.stages.range_min = 0;
   setup.encoder.stages.range_max = 65535;
@@ -134,17 +134,10 @@ std::uint16_t gated_count(const StageOptions& stages, double count) {
   return 0;
 }
 
-// The nearest whole number, of what no count is near to one that none is. std::round is a call.
+// The nearest whole number; of what lies far beyond all counts, one beyond them. std::round is a
+// call a point.
 double nearest_count(double steps) {
   return static_cast<double>(static_cast<std::int64_t>(std::clamp(steps, -1.0, 1e6) + 0.5));
-}
-
-// The z of every count of a grid [m]: to find a reading's count is to compare it.
-std::shared_ptr<const std::vector<float>> grid_table(const ZGrid& grid) {
-  auto out = std::make_shared<std::vector<float>>(65536);
-  for (std::uint32_t count = 1; count < 65536; ++count)
-    (*out)[count] = grid_z(grid, static_cast<std::uint16_t>(count));
-  return out;
 }
 
 Error off_the_stream(const SensorFrame& frame, std::size_t i) {
@@ -159,13 +152,13 @@ Error off_the_stream(const SensorFrame& frame, std::size_t i) {
 Result<Done> count_points(const StreamSetup& setup, const SensorFrame& frame, bool measured,
                           std::vector<std::uint16_t>& depth) {
   const StreamConfig& config = setup.encoder.stream;
-  const ZGrid grid{config.camera.unit_pm, static_cast<ZGrid::Rule>(config.z_rule)};
   const OpticalAxes axes(config);
   const double unit = static_cast<double>(config.camera.unit_pm) * 1e-12;
   const bool lossless = config.tolerance == ToleranceKind::kLossless;
   const RayTable& rays = setup.rays->table;
   depth.assign(frame.cloud.points.size(), 0);
-  for (std::size_t i = 0, v = 0; v < rays.height; ++v) {
+  std::size_t i = 0;
+  for (std::uint32_t v = 0; v < rays.height; ++v) {
     for (std::uint32_t u = 0; u < rays.width; ++u, ++i) {
       const Point3f& p = frame.cloud.points[i];
       if (!is_depth_reading(p)) continue;
@@ -173,17 +166,13 @@ Result<Done> count_points(const StreamSetup& setup, const SensorFrame& frame, bo
       const double near = nearest_count(at / unit);
       depth[i] = gated_count(setup.encoder.stages, near);
       if (depth[i] != 0) continue;
-      const double count =
-          !setup.exact_grid ? near
-          : near >= 1 && near <= 65535 && (*setup.grid_z)[static_cast<std::size_t>(near)] == p.z
-              ? near
-              : grid_count(grid, p.z);
+      const double count = setup.grid != nullptr ? setup.grid->count(p.z) : near;
       if (!(count >= 1 && count <= 65535)) return off_the_stream(frame, i);
       depth[i] = static_cast<std::uint16_t>(count);
       if (!measured) continue;
       const double allowed =
           lossless ? kExactResidual : setup.allowed_share * setup.contract.bound_m(at);
-      if (misfit_m(axes, rays, unit, p, {u, static_cast<std::uint32_t>(v)}, depth[i]) > allowed)
+      if (misfit_m(axes, rays, unit, p, {u, v}, depth[i]) > allowed)
         return off_the_stream(frame, i);
     }
   }
@@ -197,11 +186,11 @@ Result<bool> settle_grid(const CodecOptions& options, const SourceSensor& sensor
   const PointCloud& cloud = first.cloud;
   const bool optical = config.axes == PoseFixed{} && !config.mirror_y;
   const auto grid = optical ? find_z_grid(cloud) : std::nullopt;
-  setup.exact_grid = grid.has_value();
+  setup.grid.reset();
   if (grid) {
     intrinsics.metres_per_unit = static_cast<double>(grid->unit_pm) * 1e-12;
     config.z_rule = static_cast<ZRule>(grid->rule);
-    setup.grid_z = grid_table(*grid);
+    setup.grid = std::make_shared<const ZGridTable>(*grid);
   } else {
     settle_noise(options, sensor, setup);
     intrinsics.metres_per_unit = chosen_unit(options, setup, extent_of(cloud, config));
@@ -230,7 +219,7 @@ std::string settle_share(const SensorFrame& first, StreamSetup& setup) {
   const CloudFit fit = measure_fit(config, setup.rays->table, setup.contract, first.cloud.points,
                                    depth, stages.range_min, stages.range_max);
   if (config.tolerance == ToleranceKind::kLossless) {
-    if (setup.exact_grid && fit.worst_m <= kExactResidual) return {};
+    if (setup.grid != nullptr && fit.worst_m <= kExactResidual) return {};
     return first.name + ": its coordinates do not follow from a depth grid and a camera";
   }
   if (fit.lateral_share > kMostLateral) {

@@ -239,7 +239,7 @@ Result<Done> setup_points(const CodecOptions& options, const SourceSensor& senso
   }
   settle_stages(options, setup);
   setup.rays.reset();
-  setup.exact_grid = false;
+  setup.grid.reset();
   setup.allowed_share = 0;
   setup.cloud_input = true;
   return Done{};

@@ -13,6 +13,7 @@
 #include "apps/common/options.hpp"
 #include "core/base/status.hpp"
 #include "core/pipeline/encoder.hpp"
+#include "core/sensor/z_grid.hpp"
 
 namespace planecast {
 
@@ -23,9 +24,8 @@ struct StreamSetup {
   EncoderConfig encoder;
   std::vector<std::string> notes;  ///< one sentence a choice, for standard error
   bool cloud_input = false;
-  bool exact_grid = false;  ///< clouds: z lies on the camera's count grid bit for bit
-  std::shared_ptr<const std::vector<float>> grid_z;  ///< exact_grid: z of each count [m]
-  double bound_m = 0;                                ///< kMetres: the bound the user named
+  std::shared_ptr<const ZGridTable> grid;  ///< clouds whose z is on the count grid bit for bit
+  double bound_m = 0;                      ///< kMetres: the bound the user named
   Contract contract;         ///< as asked for; the encoder's own is tighter by `allowed_share`
   double allowed_share = 0;  ///< clouds: part of each bound that grid and rays may take
   std::shared_ptr<const CameraRays> rays;  ///< clouds coded as depth

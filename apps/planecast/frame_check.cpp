@@ -34,7 +34,7 @@ class PointBound {
       : setup_(setup),
         axes_(setup.encoder.stream),
         lossless_(setup.contract.kind == ToleranceKind::kLossless),
-        exact_cloud_(lossless_ && setup.cloud_input && setup.exact_grid) {}
+        exact_cloud_(lossless_ && setup.cloud_input && setup.grid != nullptr) {}
 
   // Error over bound: at most 1 when the promise holds.
   double share(const Point3f& original, const Point3f& decoded, double error) const {

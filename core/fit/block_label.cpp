@@ -45,7 +45,7 @@ constexpr SampledRows kLosslessRows{{1, 3, 5, 7}, 4, 2}, kBoundedRows{{2, 6}, 2,
 
 const SampledRows& rows_of(const FitTables& tables) noexcept {
   return tables.bounds->lossless() ? kLosslessRows : kBoundedRows;
-}  // pixels that each sampled one stands for
+}
 
 std::size_t row_floats(std::uint32_t width) noexcept {
   return (std::size_t{width} + 7) / 8 * 8 + 2 * kBorder;

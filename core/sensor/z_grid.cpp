@@ -19,6 +19,12 @@ float print_and_read(float value) noexcept {
   return static_cast<float>(static_cast<double>(whole) / scale);
 }
 
+// The count whose depth is nearest; 0: none of them.
+std::uint16_t nearest_count(const ZGrid& grid, float z) noexcept {
+  const double count = static_cast<double>(z) * 1e12 / static_cast<double>(grid.unit_pm) + 0.5;
+  return count >= 1.0 && count < 65536.0 ? static_cast<std::uint16_t>(count) : std::uint16_t{0};
+}
+
 // All three coordinates are finite.
 bool valid(const Point3f& p) noexcept {
   return p.x - p.x == 0.0F && p.y - p.y == 0.0F && p.z - p.z == 0.0F;
@@ -44,10 +50,18 @@ float grid_z(const ZGrid& grid, std::uint16_t count) noexcept {
 }
 
 std::uint16_t grid_count(const ZGrid& grid, float z) noexcept {
-  const double count = static_cast<double>(z) * 1e12 / static_cast<double>(grid.unit_pm) + 0.5;
-  if (!(count >= 1.0 && count < 65536.0)) return 0;
-  const auto nearest = static_cast<std::uint16_t>(count);
-  return grid_z(grid, nearest) == z ? nearest : std::uint16_t{0};
+  const std::uint16_t nearest = nearest_count(grid, z);
+  return nearest != 0 && grid_z(grid, nearest) == z ? nearest : std::uint16_t{0};
+}
+
+ZGridTable::ZGridTable(const ZGrid& grid) : grid_(grid), z_(65536) {
+  for (std::uint32_t count = 1; count < 65536; ++count)
+    z_[count] = grid_z(grid, static_cast<std::uint16_t>(count));
+}
+
+std::uint16_t ZGridTable::count(float z) const noexcept {
+  const std::uint16_t nearest = nearest_count(grid_, z);
+  return nearest != 0 && z_[nearest] == z ? nearest : std::uint16_t{0};
 }
 
 std::optional<ZGrid> find_z_grid(const PointCloud& cloud) noexcept {

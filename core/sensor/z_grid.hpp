@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/cloud/sensor_frame.hpp"
 
@@ -28,6 +29,20 @@ float grid_z(const ZGrid& grid, std::uint16_t count) noexcept;
 
 /// The count whose grid_z is exactly z, or 0 when there is none (also for NaN, 0, negative z).
 std::uint16_t grid_count(const ZGrid& grid, float z) noexcept;
+
+/// A grid's floats, all at hand to count many readings by.
+class ZGridTable {
+ public:
+  /// 256 kB, and as many grid_z() as there are counts.
+  explicit ZGridTable(const ZGrid& grid);
+
+  /// As grid_count(). O(1), and any thread's.
+  std::uint16_t count(float z) const noexcept;
+
+ private:
+  ZGrid grid_;
+  std::vector<float> z_;  ///< of each count [m]
+};
 
 /// The coarsest known grid on which every valid z of the cloud lies exactly, or nothing (also for a
 /// cloud without valid points). Tries 1, 0.5, 0.25, 0.2, 0.125 and 0.1 mm. Cold path; O(points).

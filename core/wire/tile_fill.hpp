@@ -2,6 +2,7 @@
 // so far is a whole tile of less height, so a slice is full and nothing is coded twice.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -68,10 +69,7 @@ inline std::size_t recode_height(std::span<std::uint8_t> out, std::size_t used,
   for (std::size_t i = 0; i < 8; ++i) first = first << 8U | (i < used ? at(i) : 0U);
   first += (std::uint64_t{rows} - said) * unit;  // modulo 2^64
   for (std::size_t i = 0; i < 8; ++i) at(i) = static_cast<std::uint8_t>(first >> (56U - 8U * i));
-  if (used >= 8) return used;  // zeros at its end stand for decisions: a decoder counts on them
-  used = 8;
-  while (used > 4 && at(used - 1) == 0) --used;
-  return used;
+  return std::max<std::size_t>(used, 8);  // zeros at its end may stand for decisions: they stay
 }
 
 }  // namespace planecast

@@ -112,7 +112,6 @@ inline void for_every_truncation(
   }
 }
 
-/// Replaces the only occurrence of `from`; a test that patches nothing fails.
 /// A change to a good file's header, and what the message that refuses it says.
 struct HeaderLie {
   std::string from;
@@ -120,6 +119,7 @@ struct HeaderLie {
   std::string message;
 };
 
+/// Replaces the only occurrence of `from`; a test that patches nothing fails.
 inline std::string patched(std::string text, std::string_view from, std::string_view to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;

@@ -35,9 +35,14 @@ TEST(ZGrid, CountsAndFloatsAreInverseOnEveryGrid) {
     for (const auto rule :
          {ZGrid::Rule::kDoubleProduct, ZGrid::Rule::kFloatProduct, ZGrid::Rule::kPrinted7}) {
       const ZGrid grid{unit, rule};
+      const ZGridTable table(grid);
       for (int k = 1; k <= 65535; ++k) {
-        ASSERT_EQ(grid_count(grid, grid_z(grid, static_cast<std::uint16_t>(k))), k);
+        const float z = grid_z(grid, static_cast<std::uint16_t>(k));
+        ASSERT_EQ(grid_count(grid, z), k);
+        ASSERT_EQ(table.count(z), k);
+        ASSERT_EQ(table.count(std::nextafter(z, 100.0F)), 0);
       }
+      for (const float z : {0.0F, -1.0F, 1e9F, std::nanf("")}) ASSERT_EQ(table.count(z), 0);
     }
   }
 }
