@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using Context = std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)>;
 
-constexpr std::size_t kHeaderEnd = 33;     // signature, then the whole IHDR chunk
-constexpr std::size_t kMaxDeflate = 1032;  // what deflate can expand a byte to
+constexpr std::size_t kHeaderEnd = 33;       // signature, then the whole IHDR chunk
+constexpr std::uint64_t kMaxDeflate = 1032;  // what deflate can expand a byte to
 constexpr std::size_t kMaxChunk = 1U << 26U;
 constexpr std::array<std::uint8_t, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 constexpr std::string_view kGetAnew = "the file is corrupt or cut short: get it anew";

@@ -15,7 +15,7 @@ std::string system_reason(int code) {
   return std::generic_category().message(code);
 }
 
-Result<std::uint64_t> checked_size(const fs::path& path) {
+Result<std::size_t> checked_size(const fs::path& path) {
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
   if (status.type() == fs::file_type::not_found) {
@@ -35,13 +35,13 @@ Result<std::uint64_t> checked_size(const fs::path& path) {
                           std::to_string(kMaxFileBytes),
                       "split it into smaller files");
   }
-  return size;
+  return static_cast<std::size_t>(size);
 }
 
 }  // namespace
 
 Result<std::vector<std::uint8_t>> read_file_bytes(const fs::path& path) {
-  const Result<std::uint64_t> size = checked_size(path);
+  const Result<std::size_t> size = checked_size(path);
   if (!size) return size.error();
   errno = 0;
   std::ifstream file(path, std::ios::binary);

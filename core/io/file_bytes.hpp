@@ -2,6 +2,7 @@
 // every size is known before anything is believed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -12,11 +13,14 @@
 
 namespace planecast {
 
+// With addresses of 32 bits a quarter: the file, its points and its cloud lie in memory together.
+inline constexpr unsigned kLessOn32Bit = sizeof(std::size_t) < 8 ? 2 : 0;
+
 /// Largest file that is read, and largest expanded size of a compressed one.
-inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 31U;
+inline constexpr std::size_t kMaxFileBytes = std::size_t{1} << (31U - kLessOn32Bit);
 
 /// Largest number of points that a file may hold.
-inline constexpr std::uint64_t kMaxFilePoints = std::uint64_t{1} << 26U;
+inline constexpr std::size_t kMaxFilePoints = std::size_t{1} << (26U - kLessOn32Bit);
 
 /// Reads a regular file of at most kMaxFileBytes. Errors: kNotFound, kUnreadable. Cost: one copy.
 Result<std::vector<std::uint8_t>> read_file_bytes(const std::filesystem::path& path);

@@ -61,11 +61,13 @@ Error too_short(const fs::path& path, std::size_t size, std::uint64_t needed) {
 
 Result<std::vector<Point3d>> read_binary(const fs::path& path, const PcdHeader& header,
                                          std::span<const std::uint8_t> file) {
-  const std::uint64_t needed = header.data_offset + header.points * header.point_bytes;
-  if (file.size() < needed) return too_short(path, file.size(), needed);
-  const auto rest = file.subspan(needed);
-  if (!all_zero(rest)) return left_over(path, needed, rest.size());
-  return gather(header, file.data() + header.data_offset, false);
+  const auto data = file.subspan(header.data_offset);
+  if (data.size() < header.data_bytes()) {
+    return too_short(path, file.size(), header.data_offset + header.data_bytes());
+  }
+  const auto rest = data.subspan(header.points * header.point_bytes);
+  if (!all_zero(rest)) return left_over(path, file.size() - rest.size(), rest.size());
+  return gather(header, data.data(), false);
 }
 
 Result<std::vector<Point3d>> read_compressed(const fs::path& path, const PcdHeader& header,
@@ -74,33 +76,35 @@ Result<std::vector<Point3d>> read_compressed(const fs::path& path, const PcdHead
   const std::size_t start = header.data_offset;
   if (header.points == 0 && all_zero(file.subspan(start))) return std::vector<Point3d>();
   if (file.size() - start < kSizesBytes) return too_short(path, file.size(), start + kSizesBytes);
-  const std::uint64_t packed = load_le<std::uint32_t>(file.data() + start);
-  const std::uint64_t expanded = load_le<std::uint32_t>(file.data() + start + 4);
-  const std::uint64_t needed = header.points * header.point_bytes;
-  if (expanded != needed) {
+  const std::size_t packed = load_le<std::uint32_t>(file.data() + start);
+  const std::size_t expanded = load_le<std::uint32_t>(file.data() + start + 4);
+  if (expanded != header.data_bytes()) {
     return file_error(path, at_byte(start + 4),
                       "the data expand to " + std::to_string(expanded) +
-                          " bytes, the header asks for " + std::to_string(needed),
+                          " bytes, the header asks for " + std::to_string(header.data_bytes()),
                       "correct WIDTH, HEIGHT, POINTS, SIZE or COUNT");
   }
-  const std::uint64_t end = start + kSizesBytes + packed;
-  if (file.size() < end) return too_short(path, file.size(), end);
+  const auto data = file.subspan(start + kSizesBytes);
+  if (data.size() < packed) {
+    return too_short(path, file.size(), std::uint64_t{start} + kSizesBytes + packed);
+  }
   if (expanded > kMaxFileBytes || expanded > packed * kMaxLzfExpansion) {
     return file_error(
         path, at_byte(start),
         std::to_string(packed) + " packed bytes cannot expand to " + std::to_string(expanded),
         kCutShort);
   }
-  if (!all_zero(file.subspan(end))) return left_over(path, end, file.size() - end);
-  std::vector<std::uint8_t> data(expanded);
+  const auto rest = data.subspan(packed);
+  if (!all_zero(rest)) return left_over(path, file.size() - rest.size(), rest.size());
+  std::vector<std::uint8_t> fields(expanded);
   std::size_t stopped_at = 0;
-  const Status status = lzf_expand(file.subspan(start + kSizesBytes, packed), data, stopped_at);
+  const Status status = lzf_expand(data.first(packed), fields, stopped_at);
   if (status != Status::kOk) {
     return file_error(path, at_byte(start + kSizesBytes + stopped_at),
                       "the compressed data are corrupt (" + std::string(to_string(status)) + ")",
                       "get the file anew");
   }
-  return gather(header, data.data(), true);
+  return gather(header, fields.data(), true);
 }
 
 class AsciiReader {
@@ -149,7 +153,7 @@ bool AsciiReader::take_line(std::size_t line) {
 
 Result<std::vector<Point3d>> AsciiReader::read() {
   // A value takes at least a digit and a separator; the last one may lack the separator.
-  if (text_.size() + 1 < header_.points * header_.point_words * 2) {
+  if (text_.size() + 1 < std::uint64_t{header_.points} * header_.point_words * 2) {
     return file_error(path_, at_line(header_.data_line),
                       "the data are too short for POINTS " + std::to_string(header_.points),
                       kCutShort);

@@ -246,7 +246,7 @@ bool PcdHeaderParser::finish_shape() {
   }
   header_.width = static_cast<std::uint32_t>(width);
   header_.height = static_cast<std::uint32_t>(height);
-  header_.points = points;
+  header_.points = static_cast<std::size_t>(points);
   return true;
 }
 

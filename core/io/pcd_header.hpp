@@ -32,13 +32,17 @@ struct PcdHeader {
   std::array<std::size_t, 3> xyz{};  ///< index of x, y and z in fields: F, 4 or 8 bytes, count 1
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::uint64_t points = 0;  ///< == width * height <= kMaxFilePoints
+  std::size_t points = 0;  ///< == width * height <= kMaxFilePoints
   std::uint32_t point_bytes = 0;
   std::uint32_t point_words = 0;
   Pose viewpoint;
   PcdEncoding encoding = PcdEncoding::kAscii;
   std::size_t data_offset = 0;  ///< first byte after the DATA line
   std::size_t data_line = 1;    ///< number of the line that starts there
+
+  /// What the header promises in binary; may be more than the file has, or than a 32-bit machine
+  /// can address.
+  std::uint64_t data_bytes() const noexcept { return std::uint64_t{points} * point_bytes; }
 };
 
 /// Reads and checks the header at the start of `file`; `path` is for messages only.

@@ -29,7 +29,7 @@ class BinaryCursor {
     return true;
   }
 
-  bool skip(PlyType type, std::uint64_t count) noexcept {
+  bool skip(PlyType type, std::size_t count) noexcept {
     // Divided, not multiplied: count comes from the file.
     if (count > remaining() / ply_type_bytes(type)) return false;
     offset_ += count * ply_type_bytes(type);
@@ -94,9 +94,9 @@ class AsciiCursor {
     return number.has_value();
   }
 
-  bool skip(PlyType type, std::uint64_t count) noexcept {
+  bool skip(PlyType type, std::size_t count) noexcept {
     double ignored = 0;
-    for (std::uint64_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       if (!read(type, ignored)) return false;
     }
     return true;
@@ -158,8 +158,9 @@ class PlyWalker {
                       std::to_string(element.count),
                   kCutShort);
     }
-    if (is_vertex) points_.reserve(element.count);
-    for (std::uint64_t i = 0; i < element.count; ++i) {
+    const auto count = static_cast<std::size_t>(element.count);  // not more than the file has bytes
+    if (is_vertex) points_.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
       Point3d point;
       if (!walk_item(element, point)) return false;
       if (is_vertex) points_.push_back(point);
@@ -190,7 +191,7 @@ class PlyWalker {
     const bool good = cursor_.read(property.count_type, length) && length >= 0 &&
                       length <= std::numeric_limits<std::uint32_t>::max() &&
                       length == std::floor(length);
-    if (!good || !cursor_.skip(property.type, static_cast<std::uint64_t>(length))) {
+    if (!good || !cursor_.skip(property.type, static_cast<std::size_t>(length))) {
       return fail("list " + in_quotes(property.name) + " has a wrong length or ends too early",
                   kCutShort);
     }

@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "core/io/file_bytes.hpp"
 #include "core/io/pcd.hpp"
 #include "tests/core/io/io_test_support.hpp"
 #include "tests/core/io/lzf_pack.hpp"
@@ -61,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(
                     HeaderLie{"POINTS 2", "POINTS 99999999999999999999999", "64 bits"},
                     HeaderLie{"POINTS 2", "POINTS 4e9", "whole number"},
                     HeaderLie{"POINTS 2", "POINTS -2", "whole number"},
-                    HeaderLie{"WIDTH 2\nHEIGHT 1", "WIDTH 67108864\nHEIGHT 67108864",
+                    HeaderLie{"WIDTH 2\nHEIGHT 1", "WIDTH 16777216\nHEIGHT 16777216",
                               "is not POINTS"},
                     HeaderLie{"WIDTH 2\nHEIGHT 1", "WIDTH 4294967296\nHEIGHT 4294967296", "limit"},
                     HeaderLie{"WIDTH 2\nHEIGHT 1", "WIDTH -1\nHEIGHT -2", "line 6"},
@@ -164,13 +165,26 @@ TEST(PcdHostile, PaddingOfZerosIsAllowedOtherBytesAfterTheDataAreNot) {
 
 TEST(PcdHostile, AnLzfBombIsRefusedBeforeMemoryIsTaken) {
   const TempFolder folder;
-  std::string bomb =
-      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 67108864\nHEIGHT 1\n"
-      "POINTS 67108864\nDATA binary_compressed\n";
+  const auto points = static_cast<std::uint32_t>(kMaxFilePoints);
+  std::string bomb = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " +
+                     std::to_string(points) + "\nHEIGHT 1\nDATA binary_compressed\n";
   test::append_raw(bomb, std::uint32_t{30});
-  test::append_raw(bomb, std::uint32_t{67108864U * 12U});
+  test::append_raw(bomb, points * 12U);
   const auto path = folder.file("a.pcd", bomb + std::string(30, '\xFF'));
   EXPECT_REFUSED(read_pcd(path), path, "cannot expand");
+}
+
+TEST(PcdHostile, APromiseOf32BitsAndMoreIsNotTakenModulo32Bits) {
+  const TempFolder folder;
+  const std::string shape =
+      "VERSION 0.7\nFIELDS x y z _\nSIZE 4 4 4 1\nTYPE F F F U\nCOUNT 1 1 1 1048564\n"
+      "WIDTH 4096\nHEIGHT 1\nDATA ";  // 2^32 bytes, and 2^32 + 2^13 words of two characters
+  const auto binary = folder.file("a.pcd", shape + "binary\n");
+  EXPECT_REFUSED(read_pcd(binary), binary, "promises data up to byte 4294967");
+  const auto packed = folder.file("b.pcd", shape + "binary_compressed\n" + std::string(8, '\0'));
+  EXPECT_REFUSED(read_pcd(packed), packed, "the header asks for 4294967296");
+  const auto ascii = folder.file("c.pcd", shape + "ascii\n1 2 3 4\n");
+  EXPECT_REFUSED(read_pcd(ascii), ascii, "too short for POINTS 4096");
 }
 
 TEST(PcdHostile, CompressedSizesThatDisagreeAreRefused) {
