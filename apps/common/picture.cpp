@@ -125,9 +125,9 @@ Picture side_by_side(std::span<const Picture> pictures) {
     }
     if (left > 0) left += kSeparatorPx;
     for (std::uint32_t y = 0; y < picture.height; ++y) {
-      const auto row = picture.rgb.begin() + std::ptrdiff_t{y} * picture.width * 3;
-      std::copy_n(row, std::size_t{picture.width} * 3,
-                  out.rgb.begin() + (std::ptrdiff_t{y} * width + left) * 3);
+      std::copy_n(picture.rgb.data() + std::size_t{y} * picture.width * 3,
+                  std::size_t{picture.width} * 3,
+                  out.rgb.data() + (std::size_t{y} * width + left) * 3);
     }
     left += picture.width;
   }

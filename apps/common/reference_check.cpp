@@ -155,7 +155,7 @@ Result<Done> ReferenceCheck::add(const SensorFrame& frame) {
 FrameCheck ReferenceCheck::check(std::uint64_t frame, const Decoder& decoder) const noexcept {
   FrameCheck out;
   if (!decoder.ready()) return out;
-  const Frame& original = frames_[frame % frames_.size()];
+  const Frame& original = original_of(frame);
   const StreamConfig& stream = decoder.config();
   const StreamConfig& expected = setup_.encoder.stream;
   out.comparable = stream.kind == expected.kind && stream.camera.width == expected.camera.width &&
@@ -272,7 +272,7 @@ void ReferenceCheck::check_depth(const Frame& original, const Decoder& decoder,
 }
 
 std::vector<float> ReferenceCheck::depth_m(std::uint64_t frame) const {
-  const Frame& original = frames_[frame % frames_.size()];
+  const Frame& original = original_of(frame);
   if (!original.depth.empty()) {
     return metres(original.depth,
                   static_cast<double>(setup_.encoder.stream.camera.unit_pm) * 1e-12);

@@ -64,6 +64,9 @@ class ReferenceCheck {
   struct Bound;
 
   Result<Done> add(const SensorFrame& frame);
+  const Frame& original_of(std::uint64_t frame) const noexcept {
+    return frames_[static_cast<std::size_t>(frame % frames_.size())];
+  }
   void check_raw(const Frame& original, const Decoder& decoder, FrameCheck& out) const noexcept;
   void check_list(const Frame& original, const Decoder& decoder, FrameCheck& out) const noexcept;
   void check_depth(const Frame& original, const Decoder& decoder, FrameCheck& out) const noexcept;

@@ -119,10 +119,11 @@ SenderTotals StreamSender::totals() const noexcept {
 
 std::int64_t StreamSender::encode_median_ns(std::uint64_t seen) const noexcept {
   const std::uint64_t sent = sent_.load(std::memory_order_acquire);
-  const std::uint64_t count = std::min<std::uint64_t>(sent - std::min(seen, sent), kRecent);
+  const auto count =
+      static_cast<std::size_t>(std::min<std::uint64_t>(sent - std::min(seen, sent), kRecent));
   if (count == 0) return 0;
   std::array<std::int64_t, kRecent> times{};
-  for (std::uint64_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < count; ++i)
     times[i] = recent_ns_[(sent - count + i) % kRecent].load(std::memory_order_relaxed);
   const auto middle = times.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(times.begin(), middle, times.begin() + static_cast<std::ptrdiff_t>(count));

@@ -23,7 +23,7 @@ NoiseModel default_noise(const StreamConfig& config, std::vector<std::string>& n
   const double c_m =
       config.lattice.c_q8 / 256.0 * static_cast<double>(config.camera.unit_pm) * 1e-12;
   noise.kind = NoiseModel::Kind::kStereo;
-  noise.s_e9 = static_cast<std::uint32_t>(std::clamp(std::lround(1e9 / c_m), 1L, 4'000'000'000L));
+  noise.s_e9 = static_cast<std::uint32_t>(std::clamp(std::round(1e9 / c_m), 1.0, 4e9));
   notes.push_back(fmt::format(
       "noise model {} from the lattice's spacing; name your own with --noise", to_string(noise)));
   return noise;

@@ -74,6 +74,12 @@ Result<MemoryPlan> plan_memory(const MemoryNeeds& needs) {
   Arena arena = Arena::measuring();
   lay_out(needs, plan, arena, nullptr);
   (void)arena.take<std::byte>(plan.publisher);
+  if (arena.failed())
+    return {
+        Status::kOutOfArena,
+        fmt::format("an encoder of {} bytes and {} frames held decoded ({} bytes) are more than "
+                    "this machine can address; hold fewer (--preload), or send smaller frames",
+                    plan.encoder, needs.preloaded_frames, plan.preloaded)};
   plan.arena = arena.bytes_needed();
   plan.threads = thread_names(needs.encoder);
   plan.stack = stack_mapping_bytes();
@@ -93,13 +99,13 @@ Result<DaemonMemory> take_memory(const MemoryNeeds& needs, const MemoryPlan& pla
 }
 
 std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& needs,
-                                  std::size_t resident) {
+                                  std::uint64_t resident) {
   const CameraModel& camera = needs.encoder.stream.camera;
   const StreamConfig& stream = needs.encoder.stream;
   const std::string size = stream.kind == FrameKind::kPoints
                                ? fmt::format("{} points", stream.points.max_points)
                                : fmt::format("{}x{}", camera.width, camera.height);
-  const auto line = [](const char* name, std::size_t bytes, const std::string& note) {
+  const auto line = [](const char* name, std::uint64_t bytes, const std::string& note) {
     return fmt::format("{:<10} {:>12}  {}", name, bytes, note);
   };
   return {

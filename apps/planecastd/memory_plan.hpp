@@ -27,18 +27,19 @@ struct MemoryNeeds {
 struct MemoryPlan {
   std::size_t encoder = 0;
   std::size_t publisher = 0;
-  std::size_t preloaded = 0;
+  std::uint64_t preloaded = 0;
   std::size_t arena = 0;
   std::vector<std::string> threads;  ///< by name, those that touch frames
   std::size_t stack = 0;             ///< of one thread: a mapping of its own, all of it present
   std::size_t stacks() const { return threads.size() * stack; }
-  std::size_t total() const { return arena + stacks(); }
+  std::uint64_t total() const { return std::uint64_t{arena} + stacks(); }
 };
 
 /// Bytes of one decoded frame of this stream.
 std::size_t frame_bytes(const StreamConfig& config);
 
-/// The plan. kBadConfig, kFieldRange as Encoder::memory_bytes.
+/// The plan. kBadConfig, kFieldRange as Encoder::memory_bytes; kOutOfArena: more than the machine
+/// can address.
 Result<MemoryPlan> plan_memory(const MemoryNeeds& needs);
 
 /// The memory itself, mapped and carved in the plan's order; the publisher takes the rest.
@@ -55,7 +56,7 @@ Result<DaemonMemory> take_memory(const MemoryNeeds& needs, const MemoryPlan& pla
 /// "name bytes note" lines for people and scripts; the last is "total". `resident`: what the
 /// process holds in RAM beside the plan.
 std::vector<std::string> to_lines(const MemoryPlan& plan, const MemoryNeeds& needs,
-                                  std::size_t resident);
+                                  std::uint64_t resident);
 
 /// A publisher that holds any frame of the stream, in messages of at most `message_bytes`.
 PublisherConfig publisher_for(const EncoderConfig& encoder, const std::string& channel,

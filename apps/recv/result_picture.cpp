@@ -34,7 +34,7 @@ Picture captioned(const Picture& picture, const std::string& words) {
   const std::uint32_t strip = text_height(scale) + 2 * kMargin;
   Picture out(picture.width, picture.height + strip, kPaper);
   std::copy(picture.rgb.begin(), picture.rgb.end(),
-            out.rgb.begin() + std::ptrdiff_t{strip} * picture.width * 3);
+            out.rgb.data() + std::size_t{strip} * picture.width * 3);
   draw_text(out, kMargin, kMargin, scale, kInk, words);
   return out;
 }

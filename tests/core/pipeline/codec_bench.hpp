@@ -159,16 +159,18 @@ class Source {
       clouds_.push_back(raw_points(stream.config.camera, frame));
   }
   std::size_t size() const { return depth_->size(); }
-  const std::vector<std::uint16_t>& depth(std::uint64_t i) const { return (*depth_)[i % size()]; }
-  const std::vector<Point3f>& cloud(std::uint64_t i) const { return clouds_[i % size()]; }
+  const std::vector<std::uint16_t>& depth(std::uint64_t i) const { return (*depth_)[at(i)]; }
+  const std::vector<Point3f>& cloud(std::uint64_t i) const { return clouds_[at(i)]; }
 
   Status submit(Encoder& encoder, std::uint64_t i, bool wait = false) const noexcept {
     const auto stamp_ns = static_cast<std::int64_t>(i * 33'333'333);
-    if (!clouds_.empty()) return encoder.submit(clouds_[i % size()], i, stamp_ns, wait);
-    return encoder.submit(DepthView{(*depth_)[i % size()], i, stamp_ns}, wait);
+    if (!clouds_.empty()) return encoder.submit(clouds_[at(i)], i, stamp_ns, wait);
+    return encoder.submit(DepthView{(*depth_)[at(i)], i, stamp_ns}, wait);
   }
 
  private:
+  std::size_t at(std::uint64_t i) const { return static_cast<std::size_t>(i % size()); }
+
   const std::vector<std::vector<std::uint16_t>>* depth_;
   std::vector<std::vector<Point3f>> clouds_;
 };

@@ -36,7 +36,7 @@ TEST_P(EncoderThreads, GiveTheBytesOfAnInlineRunInTheOrderOfSubmission) {
   const auto coded = encode_frames(*threaded, source, 0, frames);
   ASSERT_EQ(expected.size(), frames);
   ASSERT_EQ(coded.size(), frames);
-  for (std::uint64_t i = 0; i < frames; ++i) {
+  for (std::size_t i = 0; i < frames; ++i) {
     ASSERT_EQ(coded[i].status, Status::kOk);
     ASSERT_EQ(coded[i].number, i);
     ASSERT_FALSE(coded[i].slices.empty());

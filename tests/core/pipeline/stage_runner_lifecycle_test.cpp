@@ -126,7 +126,7 @@ TEST(StageRunnerLifecycle, RestartsAfterStopWithoutLeakingThreadsOrFrames) {
     for (int round = 0; round < 50; ++round, next += 20) {
       const std::vector<Seen> seen = run_frames(chain, mode, next, 20);
       ASSERT_EQ(seen.size(), 20U);
-      for (std::uint64_t i = 0; i < 20; ++i) ASSERT_EQ(seen[i].frame, next + i);
+      for (std::size_t i = 0; i < 20; ++i) ASSERT_EQ(seen[i].frame, next + i);
       ASSERT_TRUE(threads_gone(before));
     }
     EXPECT_EQ(chain.runner.totals().ok, next);

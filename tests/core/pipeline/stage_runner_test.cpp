@@ -90,7 +90,7 @@ TEST(StageRunner, InlineAndThreadedRunsGiveTheSameFramesInTheSameOrder) {
   }
   ASSERT_EQ(seen[0].size(), kFrames);
   EXPECT_EQ(seen[0], seen[1]);
-  for (std::uint64_t i = 0; i < kFrames; ++i) ASSERT_EQ(seen[0][i].frame, i);
+  for (std::size_t i = 0; i < kFrames; ++i) ASSERT_EQ(seen[0][i].frame, i);
 }
 
 TEST(StageRunner, FailedFramesFlowOnUntouchedInTheirPlace) {
