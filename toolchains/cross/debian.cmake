@@ -26,12 +26,12 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE BOTH)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)
 
-# Programs run in the emulator, for at most ten minutes: one that waits for ever is killed. The
+# Programs run in the emulator, for at most half an hour: one that waits for ever is killed. The
 # library path is given even for the compiler's own libraries, or the loader may mix them with
 # those of a foreign architecture that is installed.
 find_program(PLANECAST_QEMU_PROGRAM ${PLANECAST_QEMU})
 mark_as_advanced(PLANECAST_QEMU_PROGRAM)
 if(PLANECAST_QEMU_PROGRAM)
-  set(CMAKE_CROSSCOMPILING_EMULATOR timeout 600 ${PLANECAST_QEMU_PROGRAM} -L /usr/${PLANECAST_TRIPLE}
-      -E LD_LIBRARY_PATH=${planecast_libraries})
+  set(CMAKE_CROSSCOMPILING_EMULATOR timeout 1800 ${PLANECAST_QEMU_PROGRAM} -L /usr/${PLANECAST_TRIPLE}
+      -E LD_LIBRARY_PATH=${planecast_libraries} -E PLANECAST_EMULATED=1)
 endif()

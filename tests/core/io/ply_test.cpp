@@ -133,7 +133,7 @@ TEST_P(PlyHeaderLies, AreRefusedByNameInAllEncodings) {
 INSTANTIATE_TEST_SUITE_P(
     Each, PlyHeaderLies,
     testing::Values(HeaderLie{"vertex 2", "vertex 4000000000", "limit"},
-                    HeaderLie{"vertex 2", "vertex 60000000", "too short"},
+                    HeaderLie{"vertex 2", "vertex 16000000", "too short"},
                     HeaderLie{"vertex 2", "vertex 1", ""},
                     HeaderLie{"vertex 2", "vertex -2", "line 8"},
                     HeaderLie{"vertex 2", "vertex 2e0", "whole number"},

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "tests/core/pipeline/codec_bench.hpp"
+#include "tests/support/emulated.hpp"
 #include "tests/support/heap_guard.hpp"
 
 namespace planecast {
@@ -86,6 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Lists, CodecNoHeap, testing::ValuesIn(kListCases),
 
 TEST_P(CodecNoHeap, AThousandFramesThroughSixThreadsDoNothingForbidden) {
   PLANECAST_NEED_HEAP_GUARD();
+  PLANECAST_NEED_A_MACHINE();  // twelve VGA frames of each kind follow
   // Raw clouds take ten times as long to code.
   // Surfaces of lists take longer still.
   const FrameKind kind = GetParam().kind;
