@@ -102,7 +102,7 @@ Result<Done> settle_sigma(const CodecOptions& options, const SourceSensor& senso
     const double found = paper
                              ? kPaperDistance_m / setup.contract.value
                              : std::clamp(surface_roughness_m(points), kLeastSigma_m, kMostSigma_m);
-    noise.s_e9 = static_cast<std::uint32_t>(std::lround(std::min(found, 4.0) * 1e9));
+    noise.s_e9 = static_cast<std::uint32_t>(std::llround(std::min(found, 4.0) * 1e9));
     setup.notes.push_back(fmt::format(
         "noise model {} {}; name your own with --noise tof:METRES", to_string(noise),
         paper ? "makes planes 10 mm thick either way" : "from the roughness of its surfaces"));

@@ -43,7 +43,7 @@ void settle_tolerance(const CodecOptions& options, StreamSetup& setup) {
       break;
     case ToleranceKind::kSigma:
     case ToleranceKind::kSurfaces:
-      config.sigmas_q16 = static_cast<std::uint32_t>(std::lround(value * 65536));
+      config.sigmas_q16 = static_cast<std::uint32_t>(std::llround(value * 65536));
       break;
   }
   config.drop_off_surface =

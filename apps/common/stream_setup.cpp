@@ -109,7 +109,7 @@ Result<StreamSetup> setup_stream(const CodecOptions& options, const SourceSensor
   setup.encoder.stages.drop_outliers = options.outliers == Outliers::kDrop;
   setup.encoder.budget_ms = options.budget_ms.value_or(0);
   const double rate = options.rate_hz.value_or(sensor.rate_hz);
-  config.period_ms = static_cast<std::uint16_t>(std::clamp(std::lround(1000 / rate), 1L, 60000L));
+  config.period_ms = static_cast<std::uint16_t>(std::round(std::clamp(1000 / rate, 1.0, 60000.0)));
   if (to_fixed(first.pose, config.pose) != Status::kOk) {
     return Error{Status::kUnreadable,
                  first.name +
