@@ -11,7 +11,7 @@ usage: tests/cross/run.sh [--quick] [--build FOLDER] NAME...
     aarch64 armhf      all of core; transport and the commands too, against a private package root
     riscv64 s390x      all of core (s390x is big-endian)
     cortex-a53 cortex-a72 cortex-a76    the golden vectors and the rooms that decide bytes and points
-                       (base, model, predict, regen, wire), compiled for that core, on an emulated one
+                       (base, model, predict, regen), compiled for that core, on an emulated one
   this machine:
     gcc-O0 gcc-O3 clang-O0 clang-O3     the golden vectors
     embedded           core without LCM, exceptions and RTTI
@@ -90,7 +90,7 @@ machine() {
     return
   fi
   if [[ $name = cortex-* ]]; then
-    build_and_test golden_test base_test model_test predict_test regen_test wire_test
+    build_and_test golden_test base_test model_test predict_test regen_test
     return
   fi
   build_and_test $(all_tests)
