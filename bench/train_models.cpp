@@ -27,8 +27,9 @@ struct Learnt {
         std::bit_cast<std::array<BitModel, kTileModelCount>>(trained_models(lossless));
     const auto ended = std::bit_cast<std::array<BitModel, kTileModelCount>>(unpacker.models());
     for (std::size_t i = 0; i < kTileModelCount; ++i) {
-      const double seen = ended[i].age == detail::kMaxBitAge ? 126.0 : ended[i].age - began[i].age;
-      if (seen > 0) decisions[lossless ? 0 : 1][i].add(ended[i].slow / 65536.0, seen);
+      const double seen =
+          ended[i].age() == detail::kMaxBitAge ? 126.0 : ended[i].age() - began[i].age();
+      if (seen > 0) decisions[lossless ? 0 : 1][i].add(ended[i].slow() / 65536.0, seen);
     }
   }
 };

@@ -26,28 +26,36 @@ inline constexpr auto kBitRates = make_bit_rates();
 
 }  // namespace detail
 
-/// State of one context. Probabilities of a 1 in 1/65536.
-struct BitModel {
-  std::uint16_t fast = 32768;
-  std::uint16_t slow = 32768;
-  std::uint8_t age = 0;  ///< decisions seen, saturating; a trained start is older
+/// State of one context: two estimates of the probability of a 1, in 1/65536, in one word, so that
+/// a decision loads and stores it once.
+class BitModel {
+ public:
+  BitModel() = default;
+  /// Both estimates at `probability`; `age`: decisions seen, a trained start is older.
+  BitModel(std::uint16_t probability, std::uint8_t age) noexcept
+      : estimates_(probability * 0x10001U), age_(age) {}
 
-  /// Probability of a 1 in 1/65536, kept off the ends so that no decision costs over 11 bits.
-  std::uint32_t probability() const noexcept {
-    const std::uint32_t p = (std::uint32_t{fast} + slow) >> 1U;
-    return p < 32 ? 32 : (p > 65504 ? 65504 : p);
-  }
+  /// Probability of a 1 in 1/65536, 15 .. 65520: an estimate stops where its step is none.
+  std::uint32_t probability() const noexcept { return (fast() + slow()) >> 1U; }
 
   void update(bool bit) noexcept {
-    const unsigned fast_rate = detail::kBitRates[age][0];
-    const unsigned slow_rate = detail::kBitRates[age][1];
+    const auto& rates = detail::kBitRates[age_];
     // 65535 - p is ~p: towards a 1 the same step is taken from the other end.
-    const std::uint32_t turn = bit ? 0xffffU : 0U;
-    const std::uint32_t f = fast ^ turn, s = slow ^ turn;
-    fast = static_cast<std::uint16_t>((f - (f >> fast_rate)) ^ turn);
-    slow = static_cast<std::uint16_t>((s - (s >> slow_rate)) ^ turn);
-    if (age < detail::kMaxBitAge) ++age;
+    const std::uint32_t turn = 0U - std::uint32_t{bit};
+    const std::uint32_t both = estimates_ ^ turn;
+    const std::uint32_t steps = ((both & 0xffffU) >> rates[0]) | (both >> 16U >> rates[1]) << 16U;
+    estimates_ = (both - steps) ^ turn;
+    age_ = static_cast<std::uint8_t>(age_ + (age_ < detail::kMaxBitAge ? 1 : 0));
   }
+
+  std::uint32_t fast() const noexcept { return estimates_ & 0xffffU; }
+  std::uint32_t slow() const noexcept { return estimates_ >> 16U; }
+  /// Decisions seen, saturating.
+  std::uint8_t age() const noexcept { return age_; }
+
+ private:
+  std::uint32_t estimates_ = 0x80008000U;  ///< the slow one above
+  std::uint8_t age_ = 0;
 };
 
 }  // namespace planecast

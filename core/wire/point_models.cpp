@@ -24,7 +24,7 @@ constexpr std::int32_t kWeights[kPointWeightCount] = {
 constexpr std::uint8_t kSeen[16] = {0, 1, 1, 1, 2, 2, 3, 4, 5, 6, 8, 10, 13, 17, 23, 30};
 constexpr std::uint8_t kAges[16] = {0, 1, 2, 3, 4, 5, 6, 9, 12, 16, 22, 30, 40, 60, 80, 100};
 
-static_assert(std::is_trivially_copyable_v<PointModels> && alignof(PointModels) == 2);
+static_assert(std::is_trivially_copyable_v<PointModels> && alignof(PointModels) == alignof(BitModel));
 
 std::uint16_t probability(std::uint16_t start) noexcept {
   return static_cast<std::uint16_t>((start >> 4U) * 16U + 8U);
@@ -41,7 +41,7 @@ PointModels unfold() noexcept {
   auto* counts = reinterpret_cast<BitModel*>(&models.single);
   for (std::size_t i = 0; i < kCountModelCount; ++i) {
     const std::uint16_t p = probability(kCountStarts[i]);
-    counts[i] = {p, p, kAges[kCountStarts[i] & 15U]};
+    counts[i] = {p, kAges[kCountStarts[i] & 15U]};
   }
   return models;
 }

@@ -21,9 +21,13 @@ class RangeDecoder {
   }
 
   bool bit(BitModel& model) noexcept {
-    const bool value = bit_at(model.probability());
-    model.update(value);
-    return value;
+    // Each outcome on a path of its own: the branch is taken anyway.
+    if (bit_at(model.probability())) {
+      model.update(true);
+      return true;
+    }
+    model.update(false);
+    return false;
   }
 
   /// A decision whose probability of a 1 is `probability` / 65536, 1 .. 65535.

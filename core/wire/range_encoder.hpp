@@ -26,12 +26,10 @@ class RangeEncoder {
   /// A decision whose probability of a 1 is `probability` / 65536, 1 .. 65535.
   void bit_at(std::uint32_t probability, bool value) noexcept {
     const std::uint64_t split = (range_ >> 16U) * probability;
-    if (value) {
-      range_ = split;
-    } else {
-      add(split);
-      range_ -= split;
-    }
+    // Without a branch on what no processor could foresee: the lower part is a 1's.
+    const std::uint64_t upper = std::uint64_t{value} - 1;  // all bits of a 0
+    add(split & upper);
+    range_ = ((range_ & upper) - upper) + (split ^ upper);
     if (range_ < kLeastRange) [[unlikely]]
       shift();
   }

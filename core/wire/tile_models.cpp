@@ -21,7 +21,7 @@ TileModels unfold(const std::uint16_t* starts) noexcept {
   std::array<BitModel, kTileModelCount> models;
   for (std::size_t i = 0; i < kTileModelCount; ++i) {
     const auto probability = static_cast<std::uint16_t>((starts[i] >> 4U) * 16U + 8U);
-    models[i] = {probability, probability, kAges[starts[i] & 15U]};
+    models[i] = {probability, kAges[starts[i] & 15U]};
   }
   return std::bit_cast<TileModels>(models);
 }

@@ -66,8 +66,8 @@ Result<Done> run(const fs::path& folder, bool render) {
 
 void print_models(const char* kind, const char* name, const BitModel* models, std::size_t bytes) {
   for (std::size_t i = 0; i < bytes / sizeof(BitModel); ++i) {
-    std::printf("%s %s %u %u %u\n", kind, name, unsigned{models[i].fast}, unsigned{models[i].slow},
-                unsigned{models[i].age});
+    std::printf("%s %s %u %u %u\n", kind, name, models[i].fast(), models[i].slow(),
+                unsigned{models[i].age()});
   }
 }
 

@@ -20,7 +20,7 @@ class Coder:
 
     def bit(self, model):
         fast, slow, age = model
-        split = (self.range >> 16) * min(max((fast + slow) >> 1, 32), 65504)
+        split = (self.range >> 16) * ((fast + slow) >> 1)
         one = self.code < split
         r = 1 + age // 2 if age < 6 else 4
         s = 1 + age // 2 if age < 6 else 4 if age < 16 else 5 if age < 40 else 6 if age < 100 else 7

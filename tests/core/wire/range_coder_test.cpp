@@ -217,8 +217,8 @@ TEST(BitModel, ProbabilityStaysOffTheEndsAndFollowsTheDecisions) {
   for (const bool value : {false, true}) {
     BitModel model;
     for (int i = 0; i < 5000; ++i) {
-      ASSERT_GE(model.probability(), 32U);
-      ASSERT_LE(model.probability(), 65504U);
+      ASSERT_GE(model.probability(), 15U);
+      ASSERT_LE(model.probability(), 65520U);
       model.update(value);
     }
     EXPECT_EQ(model.probability() > 32768, value);
@@ -226,6 +226,20 @@ TEST(BitModel, ProbabilityStaysOffTheEndsAndFollowsTheDecisions) {
     // After a long run of one value the other makes itself felt within a few decisions.
     for (int i = 0; i < 60; ++i) model.update(!value);
     EXPECT_EQ(model.probability() > 32768, !value);
+  }
+}
+
+// Whatever it starts at, no decision is without a chance.
+TEST(BitModel, NoStartLeadsToAnEnd) {
+  for (const bool value : {false, true}) {
+    for (std::uint32_t start = 8; start < 65536; start += 16) {
+      BitModel model(static_cast<std::uint16_t>(start), static_cast<std::uint8_t>(start % 127));
+      for (int i = 0; i < 300; ++i) {
+        model.update(value);
+        ASSERT_GT(model.probability(), 0U);
+        ASSERT_LT(model.probability(), 65536U);
+      }
+    }
   }
 }
 
