@@ -52,6 +52,18 @@ struct GradeTable {
 };
 inline constexpr GradeTable kGrade{};
 
+/// Where the shapes begin by the sizes of the residuals to the left and above, added up: none, up
+/// to 2, more.
+struct SizeShapeTable {
+  std::array<std::int16_t, 2 * kMostEnergy + 1> of{};
+  constexpr SizeShapeTable() {
+    for (int sum = 1; sum <= 2 * kMostEnergy; ++sum)
+      of[static_cast<std::size_t>(sum)] =
+          static_cast<std::int16_t>(sum > 2 ? 2 * kShapes : kShapes);
+  }
+};
+inline constexpr SizeShapeTable kSizeShapes{};
+
 inline std::int32_t slope_grade(std::int32_t difference) noexcept {
   return kGrade.of[static_cast<std::size_t>(std::clamp(difference, -4, 4) + 4)];
 }
@@ -125,9 +137,9 @@ struct ResidualContext {
   const std::int32_t lean = 9 * tilt + 3 * l.lean + u.lean;
   const std::int32_t turned = lean >> 31;
   const std::int32_t shape = ((3 * p.slopes + tilt) ^ turned) - turned + kShapes / 2;
-  const std::int32_t size = l.size + u.size;
-  return {static_cast<std::uint32_t>(shape + (size > 0 ? kShapes : 0) + (size > 2 ? kShapes : 0)),
-          turned, (lean ^ turned) - turned};
+  const auto size = static_cast<std::size_t>(l.size + u.size);
+  return {static_cast<std::uint32_t>(shape + detail::kSizeShapes.of[size]), turned,
+          (lean ^ turned) - turned};
 }
 
 /// Number of a residual's model by the errors around.

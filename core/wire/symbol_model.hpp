@@ -70,11 +70,13 @@ struct SymbolModel {
   alignas(16) std::int16_t bounds[16] = {0,     2048,  4096,  6144,  8192,  10240, 12288, 14336,
                                          16384, 18432, 20480, 22528, 24576, 26624, 28672, 30720};
 
+  // Without a branch: which symbol it is no processor could guess.
   std::uint32_t low(int symbol) const noexcept {
-    return symbol == 0 ? 0U : static_cast<std::uint32_t>(bounds[symbol]);
+    return static_cast<std::uint32_t>(bounds[symbol]) & (0U - std::uint32_t{symbol != 0});
   }
   std::uint32_t high(int symbol) const noexcept {
-    return symbol == 15 ? 32768U : static_cast<std::uint32_t>(bounds[(symbol + 1) & 15]);
+    const std::uint32_t last = 0U - std::uint32_t{symbol == 15};
+    return (static_cast<std::uint32_t>(bounds[(symbol + 1) & 15]) & ~last) | (32768U & last);
   }
 
   /// The symbol that `value`, 0 .. 32767, lies in.
