@@ -131,6 +131,13 @@ inline Short8 low_halves8(Int4 first, Int4 second) noexcept {
 #endif
 }
 
+/// All bits of the lanes that have their bit set, the first lane lowest: nonzero_bits8() back.
+inline Count8 lanes_of8(unsigned bits) noexcept {
+  const auto all = static_cast<std::uint16_t>(bits);
+  const Count8 own = {1, 2, 4, 8, 16, 32, 64, 128};
+  return reinterpret_cast<Count8>((Count8{all, all, all, all, all, all, all, all} & own) == own);
+}
+
 /// One bit a lane of what is not zero, the first lane lowest.
 inline unsigned nonzero_bits8(Count8 a) noexcept {
 #ifdef __SSE2__

@@ -69,11 +69,18 @@ struct TilePacker::Job {
 // Eight pixels of one row, within one block.
 struct TilePacker::Segment {
   BlockState& block;
-  PixelPlace place;  ///< of the current pixel
+  const BlockSurface* surface;  ///< that the block lies on, or null
   std::uint8_t ray_class;
   std::uint32_t x0, x1;      ///< columns within the tile
   std::uint32_t v;           ///< row of the image
   const std::uint16_t* row;  ///< counts of the tile's row
+
+  /// Where predictions of the first pixel come from.
+  PixelPlace place(const Job& job) const noexcept {
+    PixelPlace out(job.tables.bounds->half_widths(ray_class), job.last_level);
+    if (surface != nullptr) out.lie_on(*surface, v % 8);
+    return out;
+  }
 };
 
 }  // namespace planecast

@@ -51,7 +51,7 @@ bool levels_around_eight(const PixelRow& here, const PixelRow& above, std::size_
 template <bool kEveryCount>
 void TilePacker::quantise_residuals(Job& job, const TileRows rows, const Segment& segment,
                                     Residual* const residuals) noexcept {
-  PixelPlace place = segment.place;
+  PixelPlace place = segment.place(job);
   const bool full = segment.block.full != 0;
   const LevelTable levels = *job.tables.levels;
   const std::uint16_t* const depths = segment.row;

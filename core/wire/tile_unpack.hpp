@@ -39,6 +39,12 @@ class TileUnpacker {
   const MixModels& mix_models() const noexcept { return mix_.models(); }
 
  private:
+  /// A pixel's correction in steps and where it leads: level 0 for one that is none, `raw` its
+  /// count when that is off the levels.
+  struct Corrected {
+    std::int32_t correction = 0, level = 0;
+    std::uint16_t raw = 0;
+  };
   struct Job;
   struct Segment;
 
@@ -59,13 +65,11 @@ class TileUnpacker {
   std::int32_t read_far(const LevelTable& levels, RangeDecoder& coder, std::int32_t prediction,
                         std::uint16_t& depth) noexcept;
   bool read_segment(Job& job, RangeDecoder& shared, TileRows rows, const Segment& segment) noexcept;
-  void read_flat(Job& job, RangeDecoder& coder, TileRows rows, const Segment& segment,
-                 const BlockSurface& plane) noexcept;
+  void read_flat(Job& job, RangeDecoder& shared, TileRows rows, const Segment& segment) noexcept;
   bool read_choice(RangeDecoder& coder, const Neighbourhood& around, const BlockState& block,
                    std::uint8_t& choice) noexcept;
-  std::int32_t read_correction(const LevelTable& levels, RangeDecoder& coder,
-                               const PixelPrediction& p, BitModel& sign_model, BitModel* unary,
-                               std::int32_t& correction, std::uint16_t& depth) noexcept;
+  Corrected read_correction(const LevelTable& levels, RangeDecoder& coder, Neighbourhood around,
+                            const PixelPrediction& p, int activity) noexcept;
 
   std::span<PixelRow> rows_;
   std::span<BlockState> blocks_;

@@ -29,11 +29,12 @@ struct TileUnpacker::Job {
 // Eight pixels of one row, within one block.
 struct TileUnpacker::Segment {
   const BlockState& block;
-  PixelPlace place;      ///< of the current pixel
-  std::uint32_t x0, x1;  ///< columns within the tile
-  std::uint32_t v;       ///< row of the image
-  std::uint16_t* depth;  ///< of the tile's row
-  std::uint8_t* labels;  ///< of the tile's row, or null
+  const BlockSurface* surface;      ///< that the block lies on, or its plane when flat; else null
+  const std::uint8_t* half_widths;  ///< of the block's ray class
+  std::uint32_t x0, x1;             ///< columns within the tile
+  std::uint32_t v;                  ///< row of the image
+  std::uint16_t* depth;             ///< of the tile's row
+  std::uint8_t* labels;             ///< of the tile's row, or null
 };
 
 }  // namespace planecast

@@ -1,0 +1,171 @@
+// Quantises the pixels of a tile row by row, in the decoder's own arithmetic; under a bound into
+// decisions.
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+
+#include "core/wire/correction_search.hpp"
+#include "core/wire/tile_pack.hpp"
+#include "core/wire/tile_pack_job.hpp"
+
+namespace planecast {
+
+void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
+  const std::uint32_t tile_v = v - job.span.v0;
+  const TileRows rows(rows_, tile_v);
+  const std::uint16_t* row = &job.frame.depth[std::size_t{v} * job.width() + job.span.u0];
+  std::uint32_t* const ends = ends_.data() + std::size_t{tile_v % 8} * job.rect.bw;
+  BlockState* blocks = blocks_.data() + ((tile_v / 8) & 1U) * job.rect.bw;
+  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
+    const std::uint32_t x0 = i * 8, x1 = std::min(x0 + 8, job.span.u1 - job.span.u0);
+    ends[i] = decided_;
+    if (blocks[i].any == 0) {
+      rows.here.clear(x0, x1);
+      continue;
+    }
+    if (blocks[i].flat != 0) {
+      quantise_flat(job, rows, x0, x1, tile_v, row);
+      ends[i] = decided_;
+      continue;
+    }
+    const BoundTable& bounds = *job.tables.bounds;
+    const std::uint8_t ray_class = bounds.ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
+    const Segment segment{
+        blocks[i], blocks[i].label.first != 0 ? &surfaces_[i] : nullptr, ray_class, x0, x1, v, row};
+    if (job.tables.bounds->lossless()) {
+      Residual* const residuals = found_.data() + std::size_t{tile_v % 8} * job.rect.bw * 8;
+      if (job.tables.levels->every_count()) {
+        quantise_residuals<true>(job, rows, segment, residuals);
+      } else {
+        quantise_residuals<false>(job, rows, segment, residuals);
+      }
+    } else if (segment.surface == nullptr) {
+      quantise_segment<SegmentKind::kPlain>(job, rows, segment);
+    } else if (job.surfaces_kind) {
+      quantise_segment<SegmentKind::kChoosing>(job, rows, segment);
+    } else {
+      quantise_segment<SegmentKind::kOnSurface>(job, rows, segment);
+    }
+    ends[i] = decided_;
+  }
+}
+
+void TilePacker::quantise_flat(Job& job, const TileRows rows, std::uint32_t x0, std::uint32_t x1,
+                               std::uint32_t tile_v, const std::uint16_t* depths) noexcept {
+  const std::size_t at = x0 + PixelRow::kBorder;
+  keep_flat(rows.here, at, surfaces_[x0 / 8], tile_v % 8, x1 - x0, job.last_level);
+  const BlockState& block = blocks_[((tile_v / 8) & 1U) * job.rect.bw + x0 / 8];
+  std::uint16_t* const level = rows.here.level + at;
+  const std::uint32_t columns = x1 - x0;
+  if (block.full != 0) {
+    job.fallback = level[columns - 1];
+    return;
+  }
+  MaskWalk mask = rows.mask(x0);
+  PixelDecision* const out = decisions_.data() + decided_;
+  unsigned readings = 0;
+  for (std::uint32_t x = 0; x < columns; ++x) {
+    const bool reading = depths[x0 + x] != 0;
+    out[x] = mask_decision(mask.context(), reading);
+    mask.step(reading);
+    readings |= static_cast<unsigned>(reading) << x;
+  }
+  decided_ += columns;
+  if (readings != 0) job.fallback = level[std::bit_width(readings) - 1];
+  store8(level, load8(level) & lanes_of8(readings));
+}
+
+// Corrects a pixel whose prediction is not within its window. Returns the end of the decisions.
+[[gnu::noinline]] PixelDecision* TilePacker::correct(const Job& job, const TileRows rows,
+                                                     const Neighbourhood around,
+                                                     const PixelPrediction p, int activity,
+                                                     std::uint16_t depth, LevelWindow window,
+                                                     PixelDecision* out) noexcept {
+  const Correction found = find_correction(*job.tables.levels, p, depth, window, job.last_level);
+  if (std::abs(found.steps) > kMaxUnary) jumps_[jumps_in_++] = {found.jump, depth};
+  out = add_correction(out, sign_context(around, p), magnitude_context(around, activity),
+                       found.steps);
+  keep_corrected(rows.here, around.at, p, found.level, found.steps);
+  return out;
+}
+
+// What the loop uses is copied first: a store of a byte may change anything in memory, as far as a
+// compiler knows, and would have all of it read again. One loop for each kind of block: what a kind
+// has no use for keeps no register.
+template <TilePacker::SegmentKind kKind>
+void TilePacker::quantise_segment(Job& job, const TileRows rows, const Segment& segment) noexcept {
+  constexpr bool kChoosing = kKind == SegmentKind::kChoosing;
+  PixelPlace place = segment.place(job);
+  place.has_surface = kKind != SegmentKind::kPlain;
+  const bool full = segment.block.full != 0;
+  const LevelWindow* const windows = job.tables.bounds->windows(segment.ray_class);
+  const std::uint16_t* const depths = segment.row;
+  PixelDecision* out = decisions_.data() + decided_;
+  std::int32_t fallback = job.fallback;
+  std::uint32_t corrections = 0;
+  bool uniform = true;
+  MaskWalk mask = rows.mask(segment.x0);
+  for (std::uint32_t x = segment.x0; x < segment.x1; ++x, place.step_right()) {
+    const Neighbourhood around = rows.around(x);
+    const std::uint16_t depth = depths[x];
+    if (!full) {
+      *out++ = mask_decision(mask.context(), depth != 0);
+      mask.step(depth != 0);
+    }
+    if (depth == 0) {
+      rows.here.set_hole(around.at);
+      continue;
+    }
+    if constexpr (kChoosing) {
+      const std::uint8_t context = choice_context(around);
+      const PixelKind on = choose_surface(job, segment, x, depth, rows.here);
+      uniform &= on == PixelKind::kFirstSurface;
+      *out++ = choice_decision(0, context, on == PixelKind::kFirstSurface);
+      if (on != PixelKind::kFirstSurface && segment.block.label.second != 0)
+        *out++ = choice_decision(1, context, on == PixelKind::kSecondSurface);
+      if (on != PixelKind::kPredicted) {
+        fallback = rows.here.level[around.at];
+        continue;
+      }
+    }
+    const PixelPrediction p = predict_pixel(around, place, fallback);
+    const int activity = pixel_activity(around, p);
+    const std::uint16_t context = correction_context(around, activity);
+    const LevelWindow window = windows[depth];
+    if (p.level >= window.low && p.level <= window.high) [[likely]] {
+      *out++ = correction_decision(context, false);
+      keep_predicted(rows.here, around.at, p);
+      fallback = p.level;
+      continue;
+    }
+    *out++ = correction_decision(context, true);
+    out = correct(job, rows, around, p, activity, depth, window, out);
+    fallback = rows.here.level[around.at];
+    ++corrections;
+  }
+  decided_ = static_cast<std::uint32_t>(out - decisions_.data());
+  if (corrections != 0) segment.block.corrected = 1;
+  if (!uniform) segment.block.uniform = 0;
+  job.corrections += corrections;
+  job.fallback = fallback;
+}
+
+// The surface of its block that holds a reading, kPredicted when none does.
+TilePacker::PixelKind TilePacker::choose_surface(const Job& job, const Segment& segment,
+                                                 std::uint32_t x, std::uint16_t depth,
+                                                 PixelRow& row) const noexcept {
+  const std::uint32_t limit = job.tables.bounds->max_error(depth, segment.ray_class);
+  const std::uint32_t u = job.span.u0 + x;
+  const std::int32_t rx = job.tables.rays->x(u, segment.v), ry = job.tables.rays->y(u, segment.v);
+  for (const bool second : {false, true}) {
+    const std::uint8_t label = second ? segment.block.label.second : segment.block.label.first;
+    if (label == 0) break;
+    const std::uint16_t on = surface_depth(job.surface(label), rx, ry);
+    if (on == 0 || static_cast<std::uint32_t>(std::abs(int{on} - int{depth})) > limit) continue;
+    keep_chosen(row, x + PixelRow::kBorder, job.tables.levels->nearest(on), second ? 2 : 1);
+    return second ? PixelKind::kSecondSurface : PixelKind::kFirstSurface;
+  }
+  return PixelKind::kPredicted;
+}
+
+}  // namespace planecast
