@@ -24,7 +24,8 @@ constexpr std::int32_t kWeights[kPointWeightCount] = {
 constexpr std::uint8_t kSeen[16] = {0, 1, 1, 1, 2, 2, 3, 4, 5, 6, 8, 10, 13, 17, 23, 30};
 constexpr std::uint8_t kAges[16] = {0, 1, 2, 3, 4, 5, 6, 9, 12, 16, 22, 30, 40, 60, 80, 100};
 
-static_assert(std::is_trivially_copyable_v<PointModels> && alignof(PointModels) == alignof(BitModel));
+static_assert(std::is_trivially_copyable_v<PointModels> &&
+              alignof(PointModels) == alignof(BitModel));
 
 std::uint16_t probability(std::uint16_t start) noexcept {
   return static_cast<std::uint16_t>((start >> 4U) * 16U + 8U);

@@ -83,9 +83,7 @@ class TilePacker {
   void quantise_flat(Job& job, TileRows rows, std::uint32_t x0, std::uint32_t x1,
                      std::uint32_t tile_v, const std::uint16_t* depths) noexcept;
   void quantise_row(Job& job, std::uint32_t v) noexcept;
-  PixelDecision* correct(const Job& job, TileRows rows, Neighbourhood around, PixelPrediction p,
-                         int activity, std::uint16_t depth, LevelWindow window,
-                         PixelDecision* out) noexcept;
+  void quantise_bounded(Job& job, TileRows rows, const Segment& segment) noexcept;
   template <SegmentKind kKind>
   void quantise_segment(Job& job, TileRows rows, const Segment& segment) noexcept;
   PixelKind choose_surface(const Job& job, const Segment& segment, std::uint32_t x,

@@ -1,5 +1,4 @@
-// Quantises the pixels of a tile row by row, in the decoder's own arithmetic; under a bound into
-// decisions.
+// Pixels under a bound: quantised in the decoder's own arithmetic, into decisions.
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
@@ -9,46 +8,6 @@
 #include "core/wire/tile_pack_job.hpp"
 
 namespace planecast {
-
-void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
-  const std::uint32_t tile_v = v - job.span.v0;
-  const TileRows rows(rows_, tile_v);
-  const std::uint16_t* row = &job.frame.depth[std::size_t{v} * job.width() + job.span.u0];
-  std::uint32_t* const ends = ends_.data() + std::size_t{tile_v % 8} * job.rect.bw;
-  BlockState* blocks = blocks_.data() + ((tile_v / 8) & 1U) * job.rect.bw;
-  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
-    const std::uint32_t x0 = i * 8, x1 = std::min(x0 + 8, job.span.u1 - job.span.u0);
-    ends[i] = decided_;
-    if (blocks[i].any == 0) {
-      rows.here.clear(x0, x1);
-      continue;
-    }
-    if (blocks[i].flat != 0) {
-      quantise_flat(job, rows, x0, x1, tile_v, row);
-      ends[i] = decided_;
-      continue;
-    }
-    const BoundTable& bounds = *job.tables.bounds;
-    const std::uint8_t ray_class = bounds.ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
-    const Segment segment{
-        blocks[i], blocks[i].label.first != 0 ? &surfaces_[i] : nullptr, ray_class, x0, x1, v, row};
-    if (job.tables.bounds->lossless()) {
-      Residual* const residuals = found_.data() + std::size_t{tile_v % 8} * job.rect.bw * 8;
-      if (job.tables.levels->every_count()) {
-        quantise_residuals<true>(job, rows, segment, residuals);
-      } else {
-        quantise_residuals<false>(job, rows, segment, residuals);
-      }
-    } else if (segment.surface == nullptr) {
-      quantise_segment<SegmentKind::kPlain>(job, rows, segment);
-    } else if (job.surfaces_kind) {
-      quantise_segment<SegmentKind::kChoosing>(job, rows, segment);
-    } else {
-      quantise_segment<SegmentKind::kOnSurface>(job, rows, segment);
-    }
-    ends[i] = decided_;
-  }
-}
 
 void TilePacker::quantise_flat(Job& job, const TileRows rows, std::uint32_t x0, std::uint32_t x1,
                                std::uint32_t tile_v, const std::uint16_t* depths) noexcept {
@@ -75,18 +34,14 @@ void TilePacker::quantise_flat(Job& job, const TileRows rows, std::uint32_t x0, 
   store8(level, load8(level) & lanes_of8(readings));
 }
 
-// Corrects a pixel whose prediction is not within its window. Returns the end of the decisions.
-[[gnu::noinline]] PixelDecision* TilePacker::correct(const Job& job, const TileRows rows,
-                                                     const Neighbourhood around,
-                                                     const PixelPrediction p, int activity,
-                                                     std::uint16_t depth, LevelWindow window,
-                                                     PixelDecision* out) noexcept {
-  const Correction found = find_correction(*job.tables.levels, p, depth, window, job.last_level);
-  if (std::abs(found.steps) > kMaxUnary) jumps_[jumps_in_++] = {found.jump, depth};
-  out = add_correction(out, sign_context(around, p), magnitude_context(around, activity),
-                       found.steps);
-  keep_corrected(rows.here, around.at, p, found.level, found.steps);
-  return out;
+void TilePacker::quantise_bounded(Job& job, const TileRows rows, const Segment& segment) noexcept {
+  if (segment.surface == nullptr) {
+    quantise_segment<SegmentKind::kPlain>(job, rows, segment);
+  } else if (job.surfaces_kind) {
+    quantise_segment<SegmentKind::kChoosing>(job, rows, segment);
+  } else {
+    quantise_segment<SegmentKind::kOnSurface>(job, rows, segment);
+  }
 }
 
 // What the loop uses is copied first: a store of a byte may change anything in memory, as far as a
@@ -139,8 +94,14 @@ void TilePacker::quantise_segment(Job& job, const TileRows rows, const Segment& 
       continue;
     }
     *out++ = correction_decision(context, true);
-    out = correct(job, rows, around, p, activity, depth, window, out);
-    fallback = rows.here.level[around.at];
+    const PixelPrediction away = p;  // only this copy leaves the registers
+    const Correction found =
+        find_correction(*job.tables.levels, away, depth, window, place.last_level);
+    if (std::abs(found.steps) > kMaxUnary) jumps_[jumps_in_++] = {found.jump, depth};
+    out = add_correction(out, sign_context(around, p), magnitude_context(around, activity),
+                         found.steps);
+    keep_corrected(rows.here, around.at, p, found.level, found.steps);
+    fallback = found.level;
     ++corrections;
   }
   decided_ = static_cast<std::uint32_t>(out - decisions_.data());

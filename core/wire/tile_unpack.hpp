@@ -64,6 +64,7 @@ class TileUnpacker {
                          std::int32_t sign, std::uint16_t& depth) noexcept;
   std::int32_t read_far(const LevelTable& levels, RangeDecoder& coder, std::int32_t prediction,
                         std::uint16_t& depth) noexcept;
+  bool read_mask(RangeDecoder& coder, MaskWalk& mask) noexcept;
   bool read_segment(Job& job, RangeDecoder& shared, TileRows rows, const Segment& segment) noexcept;
   void read_flat(Job& job, RangeDecoder& shared, TileRows rows, const Segment& segment) noexcept;
   bool read_choice(RangeDecoder& coder, const Neighbourhood& around, const BlockState& block,

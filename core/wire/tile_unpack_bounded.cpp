@@ -56,9 +56,7 @@ void TileUnpacker::read_flat(Job& job, RangeDecoder& shared, const TileRows rows
     RangeDecoder coder = shared;
     unsigned readings = 0;
     for (std::uint32_t x = 0; x < columns; ++x) {
-      const bool reading = coder.bit(models_.mask[mask.context()]);
-      mask.step(reading);
-      readings |= static_cast<unsigned>(reading) << x;
+      readings |= static_cast<unsigned>(read_mask(coder, mask)) << x;
     }
     shared = coder;
     if (readings != 0) job.fallback = level[std::bit_width(readings) - 1];
@@ -127,12 +125,7 @@ bool TileUnpacker::read_segment(Job& job, RangeDecoder& shared, const TileRows r
     const Neighbourhood around = rows.around(x);
     std::uint16_t depth = 0;
     std::uint8_t label = 0, choice = 0;
-    bool reading = true;
-    if (block.full == 0) {
-      reading = coder.bit(models_.mask[mask.context()]);
-      mask.step(reading);
-    }
-    if (!reading) {
+    if (block.full == 0 && !read_mask(coder, mask)) {
       rows.here.set_hole(around.at);
     } else if (choosing && read_choice(coder, around, block, choice)) {
       label = choice == 1 ? block.label.first : block.label.second;

@@ -37,4 +37,11 @@ struct TileUnpacker::Segment {
   std::uint8_t* labels;             ///< of the tile's row, or null
 };
 
+[[gnu::always_inline]] inline bool TileUnpacker::read_mask(RangeDecoder& coder,
+                                                           MaskWalk& mask) noexcept {
+  const bool reading = coder.bit(models_.mask[mask.context()]);
+  mask.step(reading);
+  return reading;
+}
+
 }  // namespace planecast

@@ -47,12 +47,7 @@ Status TileUnpacker::read_lossless_row(Job& job, RangeDecoder& shared,
     MaskWalk mask = rows.mask(x0);
     for (std::uint32_t x = x0; x < x1; ++x, place.step_right()) {
       const Neighbourhood around = rows.around(x);
-      bool reading = true;
-      if (block.full == 0) {
-        reading = coder.bit(models_.mask[mask.context()]);
-        mask.step(reading);
-      }
-      if (!reading) {
+      if (block.full == 0 && !read_mask(coder, mask)) {
         rows.here.set_hole(around.at);
         depths[x] = 0;
         if (labels != nullptr) labels[x] = 0;
