@@ -193,20 +193,6 @@ bool foretells(const BlockSurface& s, const OwnPlane& plane, float half) noexcep
          kCorner * (std::abs(dx - plane.dx) + std::abs(dy - plane.dy)) < kMostTilt * half;
 }
 
-// Whether all blocks around one are of its own region: most are, and that is asked without a
-// branch.
-bool amid_one_region(const RegionMap& regions, std::uint32_t bx, std::uint32_t by) noexcept {
-  const std::size_t wide = regions.cells_wide;
-  if (bx == 0 || by == 0 || bx + 1 == wide || by + 1 == regions.cells_high) return false;
-  const std::uint8_t* const above = &regions.labels[(by - 1) * wide + bx - 1];
-  const std::uint8_t own = above[wide + 1];
-  bool same = true;
-  for (std::size_t y = 0; y < 3; ++y) {
-    for (std::size_t x = 0; x < 3; ++x) same &= above[y * wide + x] == own;
-  }
-  return same;
-}
-
 float label_bits(std::uint8_t label, std::uint8_t left, std::uint8_t above) noexcept {
   if (label == left) return kAsLeftBits;
   return label == above ? kAsAboveBits : kOtherBits;
@@ -217,11 +203,6 @@ float label_bits(std::uint8_t label, std::uint8_t left, std::uint8_t above) noex
 Candidates block_candidates(const RegionMap& regions, std::span<const std::uint8_t> surface_of,
                             std::uint32_t bx, std::uint32_t by) noexcept {
   Candidates out;
-  if (amid_one_region(regions, bx, by)) {
-    out.label[0] = surface_of[regions.labels[std::size_t{by} * regions.cells_wide + bx]];
-    out.count = out.label[0] != 0 ? 1 : 0;
-    return out;
-  }
   const auto add = [&](std::uint32_t x, std::uint32_t y) {
     const std::uint8_t label = surface_of[regions.labels[std::size_t{y} * regions.cells_wide + x]];
     if (label == 0 || out.count == 4) return;

@@ -13,7 +13,8 @@
 
 namespace planecast {
 
-// With addresses of 32 bits a quarter: the file, its points and its cloud lie in memory together.
+/// Binary places taken off the limits below: with addresses of 32 bits they are a quarter,
+/// since the file, its points and its cloud lie in memory together.
 inline constexpr unsigned kLessOn32Bit = sizeof(std::size_t) < 8 ? 2 : 0;
 
 /// Largest file that is read, and largest expanded size of a compressed one.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstdlib>
 
@@ -129,11 +128,10 @@ inline std::int32_t lesser(std::int32_t a, std::int32_t b) noexcept {
     const std::int32_t capped = lesser(l + u - ul, high);
     return low + capped - lesser(low, capped);
   }
-  // Without a branch, as above.
-  const std::int32_t nearest[7] = {l, u, n.ur(), ul, n.ll(), n.uu(), fallback};
-  unsigned there = 1U << 6U;
-  for (unsigned i = 0; i < 6; ++i) there |= static_cast<unsigned>(nearest[i] != 0) << i;
-  return nearest[std::countr_zero(there)];
+  for (const std::int32_t level : {l, u, n.ur(), ul, n.ll(), n.uu()}) {
+    if (level != 0) return level;
+  }
+  return fallback;
 }
 
 /// Weighted mean distance of decoded neighbours from the surface, drawn to zero by 0.9, in 1/256
@@ -159,11 +157,10 @@ inline std::int32_t lesser(std::int32_t a, std::int32_t b) noexcept {
   if (l != 0 && u != 0 && ul != 0 && ur != 0) {
     return std::abs(l - ul) + std::abs(u - ul) + std::abs(u - ur);
   }
-  const auto apart = [missing = half_width + 3](std::int32_t a, std::int32_t b) {
-    const std::int32_t hole = -std::int32_t{(a == 0) | (b == 0)};
-    return (std::abs(a - b) & ~hole) | (missing & hole);
-  };
-  return apart(l, ul) + apart(u, ul) + apart(u, ur);
+  const std::int32_t missing = half_width + 3;
+  return (l != 0 && ul != 0 ? std::abs(l - ul) : missing) +
+         (u != 0 && ul != 0 ? std::abs(u - ul) : missing) +
+         (u != 0 && ur != 0 ? std::abs(u - ur) : missing);
 }
 
 }  // namespace detail

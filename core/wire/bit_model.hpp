@@ -31,11 +31,12 @@ inline constexpr auto kBitRates = make_bit_rates();
 class BitModel {
  public:
   BitModel() = default;
-  /// Both estimates at `probability`; `age`: decisions seen, a trained start is older.
+  /// Both estimates at `probability`, 8 .. 65528; `age`: decisions seen, a trained start is older.
   BitModel(std::uint16_t probability, std::uint8_t age) noexcept
       : estimates_(probability * 0x10001U), age_(age) {}
 
-  /// Probability of a 1 in 1/65536, 15 .. 65520: an estimate stops where its step is none.
+  /// Probability of a 1 in 1/65536, never 0 or 1: an estimate stops where its step is none, at 15
+  /// and 65520 unless it started beyond.
   std::uint32_t probability() const noexcept { return (fast() + slow()) >> 1U; }
 
   void update(bool bit) noexcept {

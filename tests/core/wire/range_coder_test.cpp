@@ -2,12 +2,17 @@
 // entropy, in any buffer, and a cut stream is noticed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <vector>
 
 #include "core/base/random.hpp"
+#include "core/wire/point_models.hpp"
 #include "core/wire/range_decoder.hpp"
 #include "core/wire/range_encoder.hpp"
+#include "core/wire/tile_models.hpp"
 
 namespace planecast {
 namespace {
@@ -241,6 +246,29 @@ TEST(BitModel, NoStartLeadsToAnEnd) {
       }
     }
   }
+}
+
+// What docs/wire-format.md says of the probabilities, by the starts there are.
+TEST(BitModel, ShippedStartsStayInside) {
+  const auto lowest = [](const BitModel& start) {
+    std::uint32_t least = 65536;
+    for (const bool value : {false, true}) {
+      BitModel model = start;
+      for (int i = 0; i < 3000; ++i) {
+        model.update(value);
+        least = std::min(least, std::min(model.probability(), 65535 - model.probability()));
+      }
+    }
+    return least;
+  };
+  for (const bool lossless : {false, true}) {
+    for (const BitModel& start :
+         std::bit_cast<std::array<BitModel, kTileModelCount>>(trained_models(lossless)))
+      ASSERT_GE(lowest(start), 32U);
+  }
+  const PointModels& points = trained_point_models();
+  const auto* counts = reinterpret_cast<const BitModel*>(&points.single);
+  for (std::size_t i = 0; i < kCountModelCount; ++i) ASSERT_GE(lowest(counts[i]), 15U);
 }
 
 TEST(BitModel, YoungModelsLearnFast) {
