@@ -40,6 +40,13 @@ inline Float4 load4(const std::uint16_t* from) noexcept {
   return __builtin_convertvector(__builtin_convertvector(counts, Int4), Float4);
 }
 
+/// Four counts, widened.
+inline Int4 wide4(const std::uint16_t* from) noexcept {
+  Count4 counts;
+  std::memcpy(&counts, from, sizeof counts);
+  return __builtin_convertvector(counts, Int4);
+}
+
 inline Float4 to_float4(Int4 value) noexcept {
   return __builtin_convertvector(value, Float4);
 }

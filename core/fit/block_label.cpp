@@ -20,9 +20,10 @@ constexpr float kCurvedCost = 1.5F;
 // What a surface saves at most where a block is flat without it (docs/wire-format.md, "Flat
 // blocks"): its plane is foretold by the blocks around nearly as well.
 constexpr float kFlatSaves = 1.5F;
-// A block that is flat and foretold by its own region's surface is not looked at more closely, as
-// most blocks are: bits it gains by the label, and how far off, in windows, foretelling may be.
-constexpr float kFlatGain = 25.0F, kMostOff = 2.6F, kMostTilt = 1.0F;
+// A flat block's label is worth little, and found by how far the surface lies from the block's own
+// plane (misfit()): bits it gains at most, and fewer by each window; its own region's surface is
+// not compared with others where it is this near.
+constexpr float kFlatGain = 25.0F, kFlatLoss = 3.0F, kNear = 4.0F;
 // Bits of n corrections of mean magnitude m: n log2(1 + kSpread m), near enough for comparing.
 constexpr float kSpread = 2.5F;
 constexpr float kMissCap = 24.0F;
@@ -183,14 +184,14 @@ OwnPlane own_plane(const BlockView& b) noexcept {
   return {mean[0], dx[0], dy[0], std::max(std::max(most[0], most[1]), std::max(most[2], most[3]))};
 }
 
-// Whether a surface foretells a block's own plane: by how many windows it is off there and tilted
-// from it, from the middle to a corner.
-bool foretells(const BlockSurface& s, const OwnPlane& plane, float half) noexcept {
-  constexpr float kOne = 1.0F / 256, kCorner = 3.5F;
+// How far a surface lies from a block's own plane, in windows of `half` levels: in the middle, and
+// by how it is tilted towards the corners, which a few steps of slope mend less cheaply.
+float misfit(const BlockSurface& s, const OwnPlane& plane, float half) noexcept {
+  constexpr float kOne = 1.0F / 256, kCorner = 3.5F, kTilt = 2.6F;
   const float dx = static_cast<float>(s.dx) * kOne, dy = static_cast<float>(s.dy) * kOne;
   const float middle = static_cast<float>(s.at_origin) * kOne + kCorner * (dx + dy);
-  return std::abs(middle - plane.middle) < kMostOff * half &&
-         kCorner * (std::abs(dx - plane.dx) + std::abs(dy - plane.dy)) < kMostTilt * half;
+  const float tilt = kCorner * (std::abs(dx - plane.dx) + std::abs(dy - plane.dy));
+  return (std::abs(middle - plane.middle) + kTilt * tilt) / half;
 }
 
 float label_bits(std::uint8_t label, std::uint8_t left, std::uint8_t above) noexcept {
@@ -264,32 +265,40 @@ void BlockLabeller::process(const FitTables& tables, std::span<const std::uint16
          lossless ? kSurfaceBitsLossless : kSurfaceBitsBounded, surfaces, labels);
 }
 
-// The own region's surface for a block that is flat on it, which most are; else the best one.
+// Of a block that is flat, as most are, by its own plane; of any other the best one.
 BlockLabeller::Offer BlockLabeller::offer_of(const FitTables& tables, const RegionMap& regions,
                                              std::span<const std::uint8_t> surface_of,
                                              std::span<const Surface> surfaces, std::uint32_t bx,
                                              std::uint32_t by) const noexcept {
-  bool flat = false;
-  if (!tables.bounds->lossless()) {
-    const OwnPlane plane = own_plane({levels_.data() + kBorder + bx * 8, stride_, nullptr});
-    const auto middle = static_cast<std::int32_t>(plane.middle + 0.5F);
-    const int half = tables.bounds->half_widths(tables.bounds->ray_class(bx, by))[middle];
-    flat = half > 0 && plane.farthest <= static_cast<float>(half) + 0.5F;
-    const std::uint8_t own = surface_of[regions.labels[std::size_t{by} * regions.cells_wide + bx]];
-    if (flat && middle > 0 && own != 0 &&
-        foretells(block_surface(surfaces[own - 1U], *tables.rays, *tables.levels, bx, by), plane,
-                  static_cast<float>(half))) {
-      return {kFlatGain, own, true};
-    }
+  const auto candidates = [&] { return block_candidates(regions, surface_of, bx, by); };
+  if (tables.bounds->lossless()) return best_offer(tables, candidates(), surfaces, bx, by);
+  const OwnPlane plane = own_plane({levels_.data() + kBorder + bx * 8, stride_, nullptr});
+  const auto middle = static_cast<std::int32_t>(plane.middle + 0.5F);
+  const int level_half = tables.bounds->half_widths(tables.bounds->ray_class(bx, by))[middle];
+  const auto half = static_cast<float>(level_half);
+  if (middle == 0 || level_half == 0 || plane.farthest > half + 0.5F)
+    return best_offer(tables, candidates(), surfaces, bx, by);
+  const auto misfit_of = [&](std::uint8_t label) {
+    return misfit(block_surface(surfaces[label - 1U], *tables.rays, *tables.levels, bx, by), plane,
+                  half);
+  };
+  const std::uint8_t own = surface_of[regions.labels[std::size_t{by} * regions.cells_wide + bx]];
+  if (own != 0 && misfit_of(own) < kNear) return {kFlatGain, own, true};
+  Offer best;
+  const Candidates around = candidates();
+  for (int i = 0; i < around.count; ++i) {
+    const std::uint8_t label = around.label[i];
+    const float gain = std::max(0.0F, kFlatGain - kFlatLoss * misfit_of(label));
+    if (best.label == 0 || gain > best.gain) best = {gain, label, true};
   }
-  return best_offer(tables, block_candidates(regions, surface_of, bx, by), surfaces, flat, bx, by);
+  return best;
 }
 
 // The surface that a block gains most by.
 BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
                                                const Candidates& candidates,
-                                               std::span<const Surface> surfaces, bool flat,
-                                               std::uint32_t bx, std::uint32_t by) const noexcept {
+                                               std::span<const Surface> surfaces, std::uint32_t bx,
+                                               std::uint32_t by) const noexcept {
   Offer best;
   if (candidates.count == 0) return best;
   const auto last = static_cast<std::int32_t>(tables.levels->count()) - 1;
@@ -319,7 +328,7 @@ BlockLabeller::Offer BlockLabeller::best_offer(const FitTables& tables,
     const float gain = view.rows->share * (without - sure * bits_of(misses, readings));
     const float worth = gain - label_bits(label, left, above);
     if (best.label != 0 && worth <= best_worth) continue;
-    best = {gain, label, flat};
+    best = {gain, label, false};
     best_worth = worth;
   }
   return best;

@@ -50,7 +50,7 @@ class BlockLabeller {
                  std::span<const std::uint8_t> surface_of, std::span<const Surface> surfaces,
                  std::uint32_t bx, std::uint32_t by) const noexcept;
   Offer best_offer(const FitTables& tables, const Candidates& candidates,
-                   std::span<const Surface> surfaces, bool flat, std::uint32_t bx,
+                   std::span<const Surface> surfaces, std::uint32_t bx,
                    std::uint32_t by) const noexcept;
   void choose(const RegionMap& regions, float own_say, float least,
               std::span<const Surface> surfaces, std::span<BlockLabel> labels) noexcept;

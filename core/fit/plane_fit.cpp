@@ -51,30 +51,25 @@ bool is_inside(const RegionMap& regions, std::uint32_t x, std::uint32_t y) noexc
          (y + 1 == regions.cells_high || regions.labels[i + regions.cells_wide] == label);
 }
 
-// Calls f(cell, label, inside) for every labelled cell with readings.
+// Calls f(cell, label) for every labelled cell with readings.
 template <class F>
 void for_each_cell(const RegionMap& regions, F&& f) noexcept {
-  for (std::uint32_t y = 0; y < regions.cells_high; ++y) {
-    for (std::uint32_t x = 0; x < regions.cells_wide; ++x) {
-      const std::size_t i = std::size_t{y} * regions.cells_wide + x;
-      if (regions.labels[i] == 0 || regions.cells[i].n == 0) continue;
-      f(regions.cells[i], regions.labels[i], is_inside(regions, x, y));
-    }
+  for (std::size_t i = 0; i < regions.labels.size(); ++i) {
+    if (regions.labels[i] != 0 && regions.cells[i].n != 0) f(regions.cells[i], regions.labels[i]);
   }
 }
 
-// Readings of a cell may count for the fit: inside, and no outlier.
-bool counts(const Cell& cell, const FloatSurface& surface, bool inside) noexcept {
-  return inside && cell_residual(cell, surface) <= kInlier;
+bool is_inlier(const Cell& cell, const FloatSurface& surface) noexcept {
+  return cell_residual(cell, surface) <= kInlier;
 }
 
 }  // namespace
 
 void fit_regions(const RegionMap& regions, std::span<RegionFit> fits) noexcept {
-  std::array<Sums, kMaxSurfaces + 1> all{}, inner{};
+  std::array<Sums, kMaxSurfaces + 1> all{};
   std::array<float, kMaxSurfaces + 1> least{};
   for (int k = 0; k < regions.regions; ++k) fits[k] = {};
-  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool) {
+  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label) {
     Sums& sums = all[label];
     least[label] = sums.cells == 0 ? cell.variance : std::min(least[label], cell.variance);
     sums.add(cell, is_curved(regions, label));
@@ -88,10 +83,20 @@ void fit_regions(const RegionMap& regions, std::span<RegionFit> fits) noexcept {
     fit.valid = sums.solve(is_curved(regions, k + 1U), fit.surface, fit.residual);
     fit.min_sigma = std::sqrt(double{least[k + 1]});
   }
-  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool inside) {
-    if (counts(cell, fits[label - 1U].surface, inside))
-      inner[label].add(cell, is_curved(regions, label));
-  });
+}
+
+void refit_inside(const RegionMap& regions, std::span<RegionFit> fits) noexcept {
+  std::array<Sums, kMaxSurfaces + 1> inner{};
+  for (std::uint32_t y = 0; y < regions.cells_high; ++y) {
+    for (std::uint32_t x = 0; x < regions.cells_wide; ++x) {
+      const std::size_t i = std::size_t{y} * regions.cells_wide + x;
+      const Cell& cell = regions.cells[i];
+      const std::uint8_t label = regions.labels[i];
+      if (label == 0 || cell.n == 0 || !is_inside(regions, x, y)) continue;
+      if (is_inlier(cell, fits[label - 1U].surface))
+        inner[label].add(cell, is_curved(regions, label));
+    }
+  }
   for (int k = 0; k < regions.regions; ++k) {
     const Sums& sums = inner[k + 1];
     if (sums.cells < std::max<double>(kInside, kInsideShare * fits[k].cells)) continue;
@@ -120,14 +125,14 @@ double shared_noise(const RegionMap& regions, std::span<const RegionFit> fits) n
       const std::size_t i = std::size_t{y} * regions.cells_wide + x;
       const std::uint8_t label = regions.labels[i];
       if (label == 0 || is_curved(regions, label) || !is_inside(regions, x, y)) continue;
-      if (!counts(regions.cells[i], fits[label - 1U].surface, true)) continue;
+      if (!is_inlier(regions.cells[i], fits[label - 1U].surface)) continue;
       const double here = residual(x, y);
       double around = 0;
       for (std::uint32_t v = y - kReach; v <= y + kReach; ++v) {
         for (std::uint32_t u = x - kReach; u <= x + kReach; ++u) {
           const std::size_t j = std::size_t{v} * regions.cells_wide + u;
           if (regions.labels[j] != label) continue;
-          if (!counts(regions.cells[j], fits[label - 1U].surface, true)) continue;
+          if (!is_inlier(regions.cells[j], fits[label - 1U].surface)) continue;
           around += residual(u, v);
         }
       }
@@ -144,8 +149,8 @@ void plane_sigmas(const RegionMap& regions, std::span<const RegionFit> fits,
                   std::span<PlaneSigmas> sigmas) noexcept {
   std::array<PlaneSums, kMaxSurfaces + 1> sums{};
   std::array<double, kMaxSurfaces + 1> readings{};
-  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label, bool) {
-    if (!counts(cell, fits[label - 1U].surface, true)) return;
+  for_each_cell(regions, [&](const Cell& cell, std::uint8_t label) {
+    if (!is_inlier(cell, fits[label - 1U].surface)) return;
     sums[label].add(plane_sums(cell));
     readings[label] += double{cell.n};
   });

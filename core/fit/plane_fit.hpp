@@ -20,9 +20,13 @@ struct RegionFit {
 };
 
 /// Fits region k to fits[k - 1] for k = 1 .. regions.regions; fits.size() >= regions.regions.
-/// Cells at a region's border may hold readings of another surface and are left out where enough
-/// others are there. O(cells); no allocation.
+/// O(cells); no allocation.
 void fit_regions(const RegionMap& regions, std::span<RegionFit> fits) noexcept;
+
+/// Fits the surfaces that fit_regions() found once more, to the cells inside their regions: those
+/// at a border may hold readings of another surface, and an outlier's is none of this one. A region
+/// keeps its fit where too few are left. O(cells); no allocation.
+void refit_inside(const RegionMap& regions, std::span<RegionFit> fits) noexcept;
 
 /// What a plane's coefficients are known to: standard deviations of a, b and c.
 struct PlaneSigmas {

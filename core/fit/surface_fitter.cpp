@@ -33,6 +33,7 @@ Status SurfaceFitter::fit(const FitTables& tables, std::span<const std::uint16_t
   fit_regions(regions, fits_);
   report.split_regions =
       static_cast<std::uint32_t>(split_regions(regions, fits_, scratch_, options));
+  refit_inside(regions, fits_);
   const bool contract = tables.config->tolerance == ToleranceKind::kSurfaces;
   if (contract) {
     refined_ = refiner_.process(tables, depth, regions, fits_);

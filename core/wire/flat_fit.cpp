@@ -86,15 +86,25 @@ Shifts near_shifts(const FlatWindow& window, const NearSurface& at) noexcept {
   return {most8(least), least8(most)};
 }
 
-// Any surface, reading by reading. Ends early where least is above most by more than `hopeless`.
+// Any surface, four readings at a time. Ends early where least is above most by more than
+// `hopeless`.
 Shifts far_shifts(const FlatWindow& window, const BlockSurface& at,
                   std::int32_t hopeless) noexcept {
+  const Int4 lowest = Int4{} - kAnything, highest = Int4{} + kAnything;
+  const Int4 across = at.dx * Int4{0, 1, 2, 3};
+  Int4 least = lowest, most = highest;
   Shifts out{-kAnything, kAnything};
-  for (std::int32_t i = 0; i < 64 && out.least - out.most <= hopeless; ++i) {
-    if (window.high[i] == 0) continue;
-    const std::int32_t q = at.at_origin + i % 8 * at.dx + i / 8 * at.dy;
-    out.least = std::max(out.least, window.low[i] * 256 - 128 - q);
-    out.most = std::min(out.most, window.high[i] * 256 + 127 - q);
+  for (int y = 0; y < 8 && out.least - out.most <= hopeless; ++y) {
+    for (int x = 0; x < 8; x += 4) {
+      const Int4 low = wide4(window.low + 8 * y + x), high = wide4(window.high + 8 * y + x);
+      const Int4 q = across + (at.at_origin + x * at.dx + y * at.dy), hole = high == 0;
+      const Int4 up = hole ? lowest : low * 256 - 128 - q;
+      const Int4 down = hole ? highest : high * 256 + 127 - q;
+      least = up > least ? up : least;
+      most = down < most ? down : most;
+    }
+    out = {std::max(std::max(least[0], least[1]), std::max(least[2], least[3])),
+           std::min(std::min(most[0], most[1]), std::min(most[2], most[3]))};
   }
   return out;
 }
@@ -139,23 +149,26 @@ bool bent(const FlatWindow& window) noexcept {
   return most8(most) >= 2;
 }
 
-// Slopes of the least-squares plane through what is left of the readings beside `at`, 1/256 level.
+// Slopes of the least-squares plane through what the windows' middles are off a surface, 1/256
+// level.
 struct Slopes {
   std::int32_t dx, dy;
 };
 
-// From sums over the pixels of how far each is off, times twice its distance from the middle.
+// From sums over the pixels of how far the middle of each window is off, in halves of a level,
+// times twice its distance from the block's middle.
 Slopes slopes_of(std::int32_t along, std::int32_t down) noexcept {
-  return {round_div(std::int64_t{along} * 256, 672), round_div(std::int64_t{down} * 256, 672)};
+  return {round_div(std::int64_t{along} * 128, 672), round_div(std::int64_t{down} * 128, 672)};
 }
 
 Slopes near_slopes(const FlatWindow& window, const NearSurface& at) noexcept {
-  const Short8 half = all8(128), base = all8(static_cast<std::int16_t>(window.base));
+  const Short8 quarter = all8(64), base = all8(static_cast<std::int16_t>(2 * window.base));
   Short8 left[8], there[8], sums = {};
   for (int y = 0; y < 8; ++y) {
-    const Short8 own = reinterpret_cast<Short8>(load8(window.own + 8 * y)) - base;
-    there[y] = reinterpret_cast<Short8>(load8(window.high + 8 * y) != Count8{});
-    left[y] = minus8(own, (at.row(y) + half) >> 8) & there[y];
+    const Count8 high = load8(window.high + 8 * y);
+    const auto both = reinterpret_cast<Short8>(load8(window.low + 8 * y) + high);
+    there[y] = reinterpret_cast<Short8>(high != Count8{});
+    left[y] = minus8(minus8(both, base), (at.row(y) + quarter) >> 7) & there[y];
     sums += left[y];
   }
   const auto sum_of = [](Short8 a) {
@@ -180,7 +193,7 @@ Slopes far_slopes(const FlatWindow& window, const BlockSurface& at) noexcept {
   for (std::int32_t i = 0; i < 64; ++i) {
     if (window.high[i] == 0) continue;
     const std::int32_t q = at.at_origin + i % 8 * at.dx + i / 8 * at.dy;
-    left[i] = window.own[i] - ((q + 128) >> 8);
+    left[i] = window.low[i] + window.high[i] - ((q + 64) >> 7);
     sum += left[i];
   }
   const std::int32_t mean = sum / std::max(window.readings, 1);
@@ -253,20 +266,11 @@ void FlatWindow::prepare() noexcept {
   }
 }
 
-void FlatWindow::find_own() noexcept {
-  if (levels == nullptr) return;
-  for (int i = 0; i < 64; ++i) own[i] = levels->nearest(depth[i]);
-  levels = nullptr;
-}
-
-void load_window(const LevelTable& levels, const LevelWindow* windows, const std::uint16_t* depth,
-                 std::uint32_t width, std::uint32_t columns, std::uint32_t rows,
-                 FlatWindow& window) noexcept {
-  window.levels = &levels;
+void load_window(const LevelWindow* windows, const std::uint16_t* depth, std::uint32_t width,
+                 std::uint32_t columns, std::uint32_t rows, FlatWindow& window) noexcept {
   if (columns == 8 && rows == 8) {
     for (std::size_t y = 0; y < 8; ++y) {
       const EightWindows row = load_windows(windows, depth + y * width);
-      store8(window.depth + 8 * y, load8(depth + y * width));
       store8(window.low + 8 * y, reinterpret_cast<Count8>(row.low));
       store8(window.high + 8 * y, reinterpret_cast<Count8>(row.high));
     }
@@ -274,7 +278,6 @@ void load_window(const LevelTable& levels, const LevelWindow* windows, const std
     for (std::uint32_t i = 0; i < 64; ++i) {
       const std::uint32_t x = i % 8, y = i / 8;
       const std::uint16_t d = x < columns && y < rows ? depth[std::size_t{y} * width + x] : 0;
-      window.depth[i] = d;
       window.low[i] = windows[d].low;
       window.high[i] = windows[d].high;
     }
@@ -282,7 +285,7 @@ void load_window(const LevelTable& levels, const LevelWindow* windows, const std
   window.prepare();
 }
 
-bool fit_flat(FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
+bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
               std::int32_t last_level, FlatCode& code) noexcept {
   // Slopes a step off move a corner by 7 steps' worth at most: what is far from fitting never will.
   const std::int32_t hopeless = 7 * steps.slope + steps.offset;
@@ -304,7 +307,6 @@ bool fit_flat(FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& 
   if (window.empty) return false;
   if (attempt(0, 0, gap)) return true;
   if (bent(window)) return false;
-  window.find_own();
   const Slopes slopes = residual_slopes(window, foretold.surface());
   const std::int32_t dx = round_div(slopes.dx, steps.slope);
   const std::int32_t dy = round_div(slopes.dy, steps.slope);

@@ -15,13 +15,6 @@ struct FlatWindow {
   alignas(16) std::uint16_t low[64];
   alignas(16) std::uint16_t high[64];
 
-  /// The readings' own levels, 0 for a hole: what slopes are found from, asked for where a plane is
-  /// not found at once.
-  alignas(16) std::uint16_t own[64];
-  alignas(16) std::uint16_t depth[64];  ///< whose levels `own` holds once they are looked up
-  const LevelTable* levels = nullptr;   ///< null: `own` is known
-  void find_own() noexcept;
-
   /// Derives what fit_flat() reads. No bound holds a level below 1.
   void prepare() noexcept;
 
@@ -43,13 +36,11 @@ struct FlatCode {
 
 /// Fills `window` for the block whose first reading is `depth`, of `columns` x `rows` pixels in an
 /// image of `width`, by the levels that hold the bound of each depth count, and prepares it.
-/// `levels` must outlive the window.
-void load_window(const LevelTable& levels, const LevelWindow* windows, const std::uint16_t* depth,
-                 std::uint32_t width, std::uint32_t columns, std::uint32_t rows,
-                 FlatWindow& window) noexcept;
+void load_window(const LevelWindow* windows, const std::uint16_t* depth, std::uint32_t width,
+                 std::uint32_t columns, std::uint32_t rows, FlatWindow& window) noexcept;
 
 /// True when a plane was found; `code` leads to it from `foretold`. Cost: some 0.1 us.
-bool fit_flat(FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
+bool fit_flat(const FlatWindow& window, const BlockPlane& foretold, const PlaneSteps& steps,
               std::int32_t last_level, FlatCode& code) noexcept;
 
 }  // namespace planecast

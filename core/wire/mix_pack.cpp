@@ -101,9 +101,8 @@ struct MixWriter {
                   const BlockPlane& foretold, const PlaneSteps& steps,
                   PlaneCode& want) const noexcept {
     FlatWindow window;
-    load_window(*job.tables.levels, job.tables.bounds->windows(ray_class),
-                depths(job, row * 8) + i * 8, job.tables.config->camera.width,
-                std::min(8U, job.columns() - i * 8),
+    load_window(job.tables.bounds->windows(ray_class), depths(job, row * 8) + i * 8,
+                job.tables.config->camera.width, std::min(8U, job.columns() - i * 8),
                 std::min(8U, job.span.v1 - job.span.v0 - row * 8), window);
     FlatCode code;
     if (!fit_flat(window, foretold, steps, job.last_level, code)) return false;

@@ -19,8 +19,11 @@ class RangeEncoder {
   explicit RangeEncoder(std::span<std::uint8_t> out) noexcept : out_(out) {}
 
   void bit(BitModel& model, bool value) noexcept {
+    // A copy: what is written to `out` may be the model, as far as a compiler knows.
+    BitModel learned = model;
+    learned.update(value);
     bit_at(model.probability(), value);
-    model.update(value);
+    model = learned;
   }
 
   /// A decision whose probability of a 1 is `probability` / 65536, 1 .. 65535.

@@ -114,7 +114,13 @@ void TilePacker::code_rows(Job& job, RangeEncoder& coder, FillGate& gate) noexce
     const std::uint32_t points = job.points, corrections = job.corrections;
     open_block_row(job, row);
     const std::uint32_t begin = job.span.v0 + row * 8;
-    for (std::uint32_t v = begin; v < std::min(begin + 8, job.span.v1); ++v) quantise_row(job, v);
+    for (std::uint32_t v = begin; v < std::min(begin + 8, job.span.v1); ++v) {
+      if (job.tables.bounds->lossless()) {
+        quantise_lossless_row(job, v);
+      } else {
+        quantise_bounded_row(job, v);
+      }
+    }
     code_block_row(job, coder, row);
     if (gate.allowed() && !gate.keep(coder)) {
       job.points = points;
@@ -192,7 +198,7 @@ void TilePacker::try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept
   const BlockPlane foretold = foretell_plane(hints, half_widths, job.last_level);
   const PlaneSteps steps(half_widths[(foretold.middle + 128) >> 8]);
   FlatWindow window;
-  load_window(*job.tables.levels, bounds.windows(ray_class),
+  load_window(bounds.windows(ray_class),
               &job.frame.depth[std::size_t{by} * 8 * job.width() + bx * 8], job.width(),
               std::min(8U, job.span.u1 - bx * 8), std::min(8U, job.span.v1 - by * 8), window);
   FlatChoice& flat = flats_[i];
@@ -204,42 +210,6 @@ void TilePacker::try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept
   surfaces_[i] = planes[i].surface();
   job.last_middle = planes[i].middle;
   blocks[i].flat = 1;
-}
-
-void TilePacker::quantise_row(Job& job, std::uint32_t v) noexcept {
-  const std::uint32_t tile_v = v - job.span.v0;
-  const TileRows rows(rows_, tile_v);
-  const std::uint16_t* row = &job.frame.depth[std::size_t{v} * job.width() + job.span.u0];
-  std::uint32_t* const ends = ends_.data() + std::size_t{tile_v % 8} * job.rect.bw;
-  BlockState* blocks = blocks_.data() + ((tile_v / 8) & 1U) * job.rect.bw;
-  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
-    const std::uint32_t x0 = i * 8, x1 = std::min(x0 + 8, job.span.u1 - job.span.u0);
-    ends[i] = decided_;
-    if (blocks[i].any == 0) {
-      rows.here.clear(x0, x1);
-      continue;
-    }
-    if (blocks[i].flat != 0) {
-      quantise_flat(job, rows, x0, x1, tile_v, row);
-      ends[i] = decided_;
-      continue;
-    }
-    const BoundTable& bounds = *job.tables.bounds;
-    const std::uint8_t ray_class = bounds.ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
-    const Segment segment{
-        blocks[i], blocks[i].label.first != 0 ? &surfaces_[i] : nullptr, ray_class, x0, x1, v, row};
-    if (job.tables.bounds->lossless()) {
-      Residual* const residuals = found_.data() + std::size_t{tile_v % 8} * job.rect.bw * 8;
-      if (job.tables.levels->every_count()) {
-        quantise_residuals<true>(job, rows, segment, residuals);
-      } else {
-        quantise_residuals<false>(job, rows, segment, residuals);
-      }
-    } else {
-      quantise_bounded(job, rows, segment);
-    }
-    ends[i] = decided_;
-  }
 }
 
 Status TilePacker::pack_runs(const CodingTables& tables, const FrameModel& frame,

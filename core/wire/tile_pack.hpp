@@ -80,9 +80,10 @@ class TilePacker {
   void code_head(Job& job, RangeEncoder& coder, std::uint32_t label_rows) noexcept;
   void open_block_row(Job& job, std::uint32_t row) noexcept;
   void try_flat(Job& job, std::uint32_t row, std::uint32_t i) noexcept;
-  void quantise_flat(Job& job, TileRows rows, std::uint32_t x0, std::uint32_t x1,
-                     std::uint32_t tile_v, const std::uint16_t* depths) noexcept;
-  void quantise_row(Job& job, std::uint32_t v) noexcept;
+  BlockState* blocks_at(const Job& job, std::uint32_t v) noexcept;
+  void quantise_bounded_row(Job& job, std::uint32_t v) noexcept;
+  void quantise_holes(Job& job, TileRows rows, std::uint32_t x0, std::uint32_t x1,
+                      const std::uint16_t* depths) noexcept;
   void quantise_bounded(Job& job, TileRows rows, const Segment& segment) noexcept;
   template <SegmentKind kKind>
   void quantise_segment(Job& job, TileRows rows, const Segment& segment) noexcept;
@@ -93,6 +94,7 @@ class TilePacker {
                   const BlockNeighbours& n, const FlatChoice& flat) noexcept;
   void drop_decisions(const Job& job, const BlockState* blocks, std::uint32_t rows) noexcept;
   void code_decisions(RangeEncoder& shared) noexcept;
+  void quantise_lossless_row(Job& job, std::uint32_t v) noexcept;
   template <bool kEveryCount>
   void quantise_residuals(Job& job, TileRows rows, const Segment& segment,
                           Residual* residuals) noexcept;

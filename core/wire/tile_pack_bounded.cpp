@@ -9,27 +9,49 @@
 
 namespace planecast {
 
-void TilePacker::quantise_flat(Job& job, const TileRows rows, std::uint32_t x0, std::uint32_t x1,
-                               std::uint32_t tile_v, const std::uint16_t* depths) noexcept {
-  const std::size_t at = x0 + PixelRow::kBorder;
-  keep_flat(rows.here, at, surfaces_[x0 / 8], tile_v % 8, x1 - x0, job.last_level);
-  const BlockState& block = blocks_[((tile_v / 8) & 1U) * job.rect.bw + x0 / 8];
-  std::uint16_t* const level = rows.here.level + at;
-  const std::uint32_t columns = x1 - x0;
-  if (block.full != 0) {
-    job.fallback = level[columns - 1];
-    return;
+void TilePacker::quantise_bounded_row(Job& job, std::uint32_t v) noexcept {
+  const std::uint32_t tile_v = v - job.span.v0, y = tile_v % 8;
+  const TileRows rows(rows_, tile_v);
+  const std::uint16_t* const depths = job.depths(v);
+  std::uint32_t* const ends = ends_.data() + std::size_t{y} * job.rect.bw;
+  BlockState* const blocks = blocks_at(job, v);
+  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
+    const std::uint32_t x0 = i * 8, x1 = std::min(x0 + 8, job.span.u1 - job.span.u0);
+    const std::size_t at = x0 + PixelRow::kBorder;
+    BlockState& block = blocks[i];
+    if (block.any == 0) {
+      rows.here.clear(x0, x1);
+    } else if (block.flat != 0) {
+      keep_flat(rows.here, at, surfaces_[i], y, x1 - x0, job.last_level);
+      if (block.full != 0) {
+        job.fallback = rows.here.level[at + x1 - x0 - 1];
+      } else {
+        quantise_holes(job, rows, x0, x1, depths);
+      }
+    } else {
+      const std::uint8_t ray_class =
+          job.tables.bounds->ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
+      const BlockSurface* const surface = block.label.first != 0 ? &surfaces_[i] : nullptr;
+      quantise_bounded(job, rows, {block, surface, ray_class, x0, x1, v, depths});
+    }
+    ends[i] = decided_;
   }
+}
+
+// Of a row of a flat block whose levels are all there: takes away those that are holes.
+void TilePacker::quantise_holes(Job& job, const TileRows rows, std::uint32_t x0, std::uint32_t x1,
+                                const std::uint16_t* depths) noexcept {
+  std::uint16_t* const level = rows.here.level + x0 + PixelRow::kBorder;
   MaskWalk mask = rows.mask(x0);
   PixelDecision* const out = decisions_.data() + decided_;
   unsigned readings = 0;
-  for (std::uint32_t x = 0; x < columns; ++x) {
+  for (std::uint32_t x = 0; x < x1 - x0; ++x) {
     const bool reading = depths[x0 + x] != 0;
     out[x] = mask_decision(mask.context(), reading);
     mask.step(reading);
     readings |= static_cast<unsigned>(reading) << x;
   }
-  decided_ += columns;
+  decided_ += x1 - x0;
   if (readings != 0) job.fallback = level[std::bit_width(readings) - 1];
   store8(level, load8(level) & lanes_of8(readings));
 }

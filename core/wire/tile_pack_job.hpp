@@ -61,6 +61,10 @@ struct TilePacker::Job {
   std::uint32_t points = 0, corrections = 0;
 
   std::uint32_t width() const noexcept { return tables.config->camera.width; }
+  /// Counts of the tile in row v of the image.
+  const std::uint16_t* depths(std::uint32_t v) const noexcept {
+    return &frame.depth[std::size_t{v} * width() + span.u0];
+  }
   const Surface& surface(std::uint8_t local_label) const noexcept {
     return frame.surfaces[local.frame_of[local_label] - 1U];
   }
@@ -82,5 +86,10 @@ struct TilePacker::Segment {
     return out;
   }
 };
+
+/// Of the blocks that row v of the image goes through.
+inline BlockState* TilePacker::blocks_at(const Job& job, std::uint32_t v) noexcept {
+  return blocks_.data() + ((v - job.span.v0) / 8 & 1U) * job.rect.bw;
+}
 
 }  // namespace planecast

@@ -48,6 +48,29 @@ bool levels_around_eight(const PixelRow& here, const PixelRow& above, std::size_
 
 }  // namespace
 
+void TilePacker::quantise_lossless_row(Job& job, std::uint32_t v) noexcept {
+  const std::uint32_t tile_v = v - job.span.v0;
+  const TileRows rows(rows_, tile_v);
+  BlockState* const blocks = blocks_at(job, v);
+  Residual* const residuals = found_.data() + std::size_t{tile_v % 8} * job.rect.bw * 8;
+  for (std::uint32_t i = 0; i < job.rect.bw; ++i) {
+    const std::uint32_t x0 = i * 8, x1 = std::min(x0 + 8, job.span.u1 - job.span.u0);
+    if (blocks[i].any == 0) {
+      rows.here.clear(x0, x1);
+      continue;
+    }
+    const std::uint8_t ray_class =
+        job.tables.bounds->ray_class(job.rect.bx + i, job.rect.by + tile_v / 8);
+    const BlockSurface* const surface = blocks[i].label.first != 0 ? &surfaces_[i] : nullptr;
+    const Segment segment{blocks[i], surface, ray_class, x0, x1, v, job.depths(v)};
+    if (job.tables.levels->every_count()) {
+      quantise_residuals<true>(job, rows, segment, residuals);
+    } else {
+      quantise_residuals<false>(job, rows, segment, residuals);
+    }
+  }
+}
+
 template <bool kEveryCount>
 void TilePacker::quantise_residuals(Job& job, const TileRows rows, const Segment& segment,
                                     Residual* const residuals) noexcept {
@@ -151,10 +174,5 @@ void TilePacker::code_lossless_row(const Job& job, RangeEncoder& shared, const B
   }
   shared = coder;
 }
-
-template void TilePacker::quantise_residuals<false>(Job&, TileRows, const Segment&,
-                                                    Residual*) noexcept;
-template void TilePacker::quantise_residuals<true>(Job&, TileRows, const Segment&,
-                                                   Residual*) noexcept;
 
 }  // namespace planecast

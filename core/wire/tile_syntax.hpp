@@ -170,23 +170,28 @@ inline int flat_context(const BlockNeighbours& n, const BlockState& block) noexc
   return (block.label.first != 0 ? 9 : 0) + pair_context(n.left, n.above, &BlockState::flat);
 }
 
-/// Levels of row y of a flat block, at the eight pixels from `at` on of `row`; nothing was missed.
-inline void keep_flat(PixelRow& row, std::size_t at, const BlockSurface& plane, std::uint32_t y,
-                      std::uint32_t columns, std::int32_t last_level) noexcept {
-  std::int32_t q = plane.at(0, y) + 128;
-  const std::int32_t end = q + 7 * plane.dx, most = last_level * 256 + 255;
-  if (columns == 8 && std::min(q, end) >= 256 && std::max(q, end) <= most) [[likely]] {
-    const Int4 first = Int4{q, q, q, q} + Int4{0, plane.dx, 2 * plane.dx, 3 * plane.dx};
-    const std::int32_t half = 4 * plane.dx;
-    const Short8 levels = low_halves8(first >> 8, (first + Int4{half, half, half, half}) >> 8);
-    store8(row.level + at, reinterpret_cast<Count8>(levels));
-    row.forget(at, 8);
-    return;
-  }
-  for (std::uint32_t x = 0; x < columns; ++x, q += plane.dx) {
+/// keep_flat() where the block is cut by the image's border or its plane leaves the levels.
+[[gnu::noinline]] inline void keep_flat_part(PixelRow& row, std::size_t at, std::int32_t q,
+                                             std::int32_t dx, std::uint32_t columns,
+                                             std::int32_t last_level) noexcept {
+  for (std::uint32_t x = 0; x < columns; ++x, q += dx) {
     row.level[at + x] = static_cast<std::uint16_t>(std::clamp(q >> 8, 1, last_level));
   }
   row.forget(at, columns);
+}
+
+/// Levels of row y of a flat block, at the eight pixels from `at` on of `row`; nothing was missed.
+inline void keep_flat(PixelRow& row, std::size_t at, const BlockSurface& plane, std::uint32_t y,
+                      std::uint32_t columns, std::int32_t last_level) noexcept {
+  const std::int32_t q = plane.at(0, y) + 128, end = q + 7 * plane.dx;
+  const std::int32_t most = last_level * 256 + 255;
+  if (columns != 8 || std::min(q, end) < 256 || std::max(q, end) > most) [[unlikely]] {
+    keep_flat_part(row, at, q, plane.dx, columns, last_level);
+    return;
+  }
+  const Int4 first = q + plane.dx * Int4{0, 1, 2, 3}, second = first + 4 * plane.dx;
+  store8(row.level + at, reinterpret_cast<Count8>(low_halves8(first >> 8, second >> 8)));
+  row.forget(at, 8);
 }
 
 /// Context of which surface a pixel is on, in surfaces kind.

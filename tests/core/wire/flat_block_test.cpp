@@ -74,7 +74,6 @@ FlatWindow random_window(Pcg32& random, std::int32_t level, std::int32_t half) {
     const auto own =
         static_cast<std::int32_t>(std::lround(at + noise * (2 * random.uniform() - 1)));
     const bool hole = holes != 0 && random.below(holes) == 0;
-    window.own[i] = static_cast<std::uint16_t>(hole ? 0 : own);
     window.low[i] = static_cast<std::uint16_t>(hole ? 0 : own - half);
     window.high[i] = static_cast<std::uint16_t>(hole ? 0 : own + half);
   }
@@ -115,7 +114,6 @@ TEST(FlatBlock, ThePlaneLiesInTheMiddleOfItsWindows) {
       const PlaneSteps steps(half);
       FlatWindow window;
       for (int i = 0; i < 64; ++i) {
-        window.own[i] = static_cast<std::uint16_t>(level);
         window.low[i] = static_cast<std::uint16_t>(level - half);
         window.high[i] = static_cast<std::uint16_t>(level + half);
       }
@@ -158,10 +156,6 @@ TEST(FlatBlock, EightLanesOfSixteenBitsFindWhatWholeNumbersFind) {
 
 TEST(FlatBlock, AWindowIsWhatTheTableSaysOfEachReading) {
   Pcg32 random(11);
-  Arena arena = std::move(*Arena::map(std::size_t{1} << 20U));
-  LevelTable levels;
-  levels.layout(arena);
-  ASSERT_EQ(levels.build({}), Status::kOk);
   std::vector<LevelWindow> table(65536);
   for (std::uint32_t d = 1; d < 65536; ++d) {
     table[d] = {static_cast<std::uint16_t>(1 + d / 3), static_cast<std::uint16_t>(1 + d / 3 + 7)};
@@ -173,15 +167,13 @@ TEST(FlatBlock, AWindowIsWhatTheTableSaysOfEachReading) {
     for (std::uint16_t& d : depth)
       d = static_cast<std::uint16_t>(random.below(trial % 2 * 60000 + 99));
     FlatWindow window;
-    load_window(levels, table.data(), depth.data(), 11, columns, rows, window);
-    window.find_own();
+    load_window(table.data(), depth.data(), 11, columns, rows, window);
     std::int32_t readings = 0;
     for (std::uint32_t i = 0; i < 64; ++i) {
       const bool inside = i % 8 < columns && i / 8 < rows;
       const std::uint16_t d = inside ? depth[i / 8 * 11 + i % 8] : std::uint16_t{0};
       ASSERT_EQ(window.low[i], table[d].low);
       ASSERT_EQ(window.high[i], table[d].high);
-      ASSERT_EQ(window.own[i], d);  // every count is a level
       readings += d != 0;
     }
     EXPECT_EQ(window.readings, readings);
