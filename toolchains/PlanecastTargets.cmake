@@ -76,7 +76,10 @@ function(planecast_room NAME)
     add_library(planecast_${NAME} STATIC ${SOURCES})
     target_link_libraries(planecast_${NAME} PUBLIC planecast_flags ${ARG_DEPENDS}
                           PRIVATE ${ARG_PRIVATE_LIBS})
-    if(NAME MATCHES "^(io|sim|pipeline|transport)$")  # many small files behind large headers
+    # Many small files behind large headers. The second half only with sanitizers and for other
+    # machines: the release build compiles them each by itself, so that a missing include is found.
+    if(NAME MATCHES "^(io|sim|pipeline|transport)$" OR
+       ((PLANECAST_SANITIZE OR CMAKE_CROSSCOMPILING) AND NAME MATCHES "^(fit|metrics|model|regen|search|segment|wire)$"))
       set_target_properties(planecast_${NAME} PROPERTIES
         UNITY_BUILD ${PLANECAST_UNITY} UNITY_BUILD_BATCH_SIZE 12)
     endif()
