@@ -80,15 +80,16 @@ struct BlendLevels {
 
 namespace detail {
 
-/// Weight of a prediction by the sum of its misses: as the inverse square.
+/// Weight of a prediction by the sum of its misses: as the inverse square. Computed when the
+/// program starts, in tables.cpp: 8 kB that a board's flash need not hold.
 struct BlendWeights {
   std::array<std::uint32_t, 2048> of{};
-  constexpr BlendWeights() {
+  BlendWeights() noexcept {
     for (std::uint32_t sum = 0; sum < of.size(); ++sum)
       of[sum] = (std::uint32_t{1} << 24U) / ((sum + 4) * (sum + 4));
   }
 };
-inline constexpr BlendWeights kBlendWeights{};
+extern const BlendWeights kBlendWeights;
 
 }  // namespace detail
 

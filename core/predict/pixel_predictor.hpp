@@ -69,9 +69,10 @@ struct PixelPlace {
 namespace detail {
 
 /// Activity class by sum of neighbour differences, for half-widths 0..15 (greater ones scaled).
+/// Computed when the program starts, in tables.cpp: 4 kB that a board's flash need not hold.
 struct ActivityTable {
   std::array<std::array<std::uint8_t, 256>, 16> of{};
-  constexpr ActivityTable() {
+  ActivityTable() noexcept {
     for (int half = 0; half < 16; ++half) {
       for (int sum = 0; sum < 256; ++sum) of[half][sum] = classify(sum, half);
     }
@@ -87,7 +88,7 @@ struct ActivityTable {
     return 7;
   }
 };
-inline constexpr ActivityTable kActivity{};
+extern const ActivityTable kActivity;
 
 /// 0.9 / weight in Q16 for weight sums 0..11 (l 4, u 4, ur 2, ul 1).
 inline constexpr std::array<std::int32_t, 12> kDriftScale = {

@@ -20,18 +20,11 @@ struct MixedRate {
   std::uint16_t fast, slow, next, room;
 };
 
+// Tables that are computed when the program starts, in bit_mixer.cpp: 17 kB that a board's flash
+// need not hold.
+
 /// By the decisions seen: 1/1.6, 1/2.6, ... The fast one ends at 1/15.6.
-constexpr std::array<MixedRate, kMostSeen + 1> make_mixed_rates() {
-  std::array<MixedRate, kMostSeen + 1> rates{};
-  const auto rate = [](unsigned seen) {
-    return static_cast<std::uint16_t>(655360 / (10 * seen + 16));
-  };
-  for (unsigned seen = 0; seen <= kMostSeen; ++seen)
-    rates[seen] = {rate(std::min(seen, kMostFast)), rate(seen),
-                   static_cast<std::uint16_t>(std::min(seen + 1, kMostSeen)), 0};
-  return rates;
-}
-inline constexpr auto kMixedRates = make_mixed_rates();
+extern const std::array<MixedRate, kMostSeen + 1> kMixedRates;
 
 /// 65536 / (1 + exp(-x)) at x = -8, -7.5, ... 8.
 inline constexpr std::array<std::uint16_t, 33> kLogistic = {
@@ -51,26 +44,9 @@ constexpr std::uint32_t squash(std::int32_t x) noexcept {
 namespace detail {
 
 /// Log odds in 1/256 of a probability in 1/4096: the least x whose squash reaches it.
-constexpr std::array<std::int16_t, 4096> make_stretch() {
-  std::array<std::int16_t, 4096> table{};
-  std::int32_t x = -2047;
-  for (std::uint32_t p = 0; p < 4096; ++p) {
-    while (x < 2047 && squash(x) < p * 16 + 8) ++x;
-    table[p] = static_cast<std::int16_t>(x);
-  }
-  return table;
-}
-inline constexpr auto kStretch = make_stretch();
-
+extern const std::array<std::int16_t, 4096> kStretch;
 /// squash() of x - 2048, kept off the ends so that no decision costs over 11 bits.
-constexpr std::array<std::uint16_t, 4096> make_squash() {
-  std::array<std::uint16_t, 4096> table{};
-  for (std::int32_t x = -2047; x <= 2047; ++x)
-    table[static_cast<std::size_t>(x + 2048)] =
-        static_cast<std::uint16_t>(std::clamp<std::uint32_t>(squash(x), 32, 65504));
-  return table;
-}
-inline constexpr auto kSquash = make_squash();
+extern const std::array<std::uint16_t, 4096> kSquash;
 
 }  // namespace detail
 

@@ -71,9 +71,10 @@ class PatchCode {
 
   /// wide * high cells, row by row, 0 or 1. False when reading found none inside.
   bool cells(const Patch& p, std::span<std::uint8_t> cells) noexcept {
-    static constexpr std::array<std::uint8_t, kMaxPatchSide> kEmpty{};
-    const std::uint8_t* up2 = kEmpty.data();
-    const std::uint8_t* up = kEmpty.data();
+    // Never written; no constant, so that its zeros take none of a board's flash.
+    static constinit std::array<std::uint8_t, kMaxPatchSide> empty{};
+    const std::uint8_t* up2 = empty.data();
+    const std::uint8_t* up = empty.data();
     unsigned any = 0;
     for (std::uint32_t j = 0; j < p.high; ++j) {
       std::uint8_t* row = &cells[std::size_t{j} * p.wide];

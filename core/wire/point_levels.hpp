@@ -98,25 +98,8 @@ struct NeighbourSums {
   std::uint64_t unknown_faces = 0;
 };
 
-constexpr std::array<NeighbourSums, 27> make_neighbour_sums() {
-  std::array<NeighbourSums, 27> table{};
-  for (unsigned d = 0; d < 27; ++d) {
-    const int x = static_cast<int>(d % 3) - 1, y = static_cast<int>(d / 3 % 3) - 1,
-              z = static_cast<int>(d / 9) - 1;
-    for (unsigned octant = 0; octant < 8; ++octant) {
-      const std::uint64_t weight = weights_of(x, y, z, octant, false);
-      table[d].unknown += weights_of(x, y, z, octant, true);
-      table[d].unknown_faces += face_of(d, octant, 1);
-      for (unsigned half = 0; half < 16; ++half) {
-        if ((half >> (octant & 3U) & 1U) == 0) continue;
-        table[d].weights[octant >> 2U][half] += weight;
-        table[d].faces[octant >> 2U][half] += face_of(d, octant, 2);
-      }
-    }
-  }
-  return table;
-}
-inline constexpr auto kNeighbourSums = make_neighbour_sums();
+/// Computed when the program starts, in point_tables.cpp: 14 kB that a board's flash need not hold.
+extern const std::array<NeighbourSums, 27> kNeighbourSums;
 
 /// What an occupied child adds to its siblings.
 constexpr std::array<std::uint64_t, 8> make_sibling_weights() {

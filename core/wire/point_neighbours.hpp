@@ -25,25 +25,8 @@ struct LayerSums {
   std::int8_t n, x, y, xx, yy, xy;
 };
 
-constexpr std::array<LayerSums, 512> make_layer_sums() {
-  std::array<LayerSums, 512> table{};
-  for (unsigned pattern = 0; pattern < 512; ++pattern) {
-    LayerSums& sums = table[pattern];
-    for (int y = -1; y <= 1; ++y) {
-      for (int x = -1; x <= 1; ++x) {
-        if ((pattern >> static_cast<unsigned>((x + 1) + 3 * (y + 1)) & 1U) == 0) continue;
-        sums.n = static_cast<std::int8_t>(sums.n + 1);
-        sums.x = static_cast<std::int8_t>(sums.x + x);
-        sums.y = static_cast<std::int8_t>(sums.y + y);
-        sums.xx = static_cast<std::int8_t>(sums.xx + x * x);
-        sums.yy = static_cast<std::int8_t>(sums.yy + y * y);
-        sums.xy = static_cast<std::int8_t>(sums.xy + x * y);
-      }
-    }
-  }
-  return table;
-}
-inline constexpr auto kLayerSums = make_layer_sums();
+/// Computed when the program starts, in point_tables.cpp.
+extern const std::array<LayerSums, 512> kLayerSums;
 
 }  // namespace detail
 
