@@ -1,6 +1,7 @@
 // Trains the probabilities that every tile of --effort best starts from, and the weights of its
 // mixers:
 //   train_mix LIST core/wire/mix_weights_trained.inc > core/wire/mix_models_trained.inc
+// and then pack_starts core/wire.
 // LIST (train_models.list) holds a command line a row: inputs and codec options.
 #include <fmt/format.h>
 

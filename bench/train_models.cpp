@@ -1,6 +1,7 @@
 // Trains the probabilities that every tile starts from and writes them to standard output:
 //   train_models LIST decisions > core/wire/tile_models_trained.inc
 //   train_models LIST residuals > core/wire/residual_models_trained.inc
+// and then pack_starts core/wire.
 // LIST (train_models.list) holds a command line a row: inputs and codec options. Symbols of
 // residuals are counted, decisions taken from the decoder's models at the end of each slice.
 #include <fmt/format.h>

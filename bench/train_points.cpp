@@ -1,6 +1,7 @@
 // Trains what every point slice starts from and writes
 // core/wire/point_*_trained.inc:
 //   train_points bench/train_points.list core/wire
+// and then pack_starts core/wire.
 // LIST names clouds, their units, tolerances [m] and slice sizes. Every
 // decision of every slice is counted with its contexts: a model's start is the
 // share of ones over all slices, and what it counts as seen follows from how

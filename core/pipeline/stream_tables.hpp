@@ -1,4 +1,5 @@
-// Everything a half derives from a key packet, in memory taken once: rays, levels, bounds, scale.
+// Everything a half derives from a key packet, in memory taken once: rays, levels, bounds, scale,
+// and the models that tiles start from.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include "core/predict/bound_table.hpp"
 #include "core/predict/level_table.hpp"
 #include "core/regen/regenerate.hpp"
+#include "core/wire/residual_models.hpp"
 #include "core/wire/tile_syntax.hpp"
 
 namespace planecast {
@@ -27,7 +29,8 @@ struct FrameLimits {
 };
 
 /// Tables of the current key packet. build() is O(pixels) for a camera with distortion and about
-/// 10 ms otherwise: it runs when a key changes, not once a frame. Read-only between builds.
+/// 10 ms otherwise, and 20 ms once to unpack the models that tiles start from: it runs when a key
+/// changes, not once a frame. Read-only between builds.
 class StreamTables {
  public:
   void layout(Arena& arena, const FrameLimits& limits,
@@ -45,7 +48,9 @@ class StreamTables {
   const LevelTable& levels() const noexcept { return levels_; }
   const BoundTable& bounds() const noexcept { return bounds_; }
   const DepthScale& scale() const noexcept { return scale_; }
-  CodingTables coding() const noexcept { return {&config_, &rays_, &levels_, &bounds_}; }
+  CodingTables coding() const noexcept {
+    return {&config_, &rays_, &levels_, &bounds_, residuals_.data()};
+  }
 
  private:
   FrameLimits limits_;
@@ -57,6 +62,8 @@ class StreamTables {
   LevelTable levels_;
   BoundTable bounds_;
   DepthScale scale_;
+  std::span<ResidualModels> residuals_;  ///< one set
+  int residual_set_ = -1;                ///< which one: 1 of every count, -1 none yet
 };
 
 }  // namespace planecast

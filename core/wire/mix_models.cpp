@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
+#include "core/wire/start_reader.hpp"
+
 namespace planecast {
 namespace {
 
 // Starts in 16 bits: the probability of a 1 in 1/4096 above, the class of decisions seen below.
-// Then the weights of the mixers, 1/256. Written by bench/train_mix; see there.
-constexpr std::uint16_t kStarts[2][kMixStarts] = {
-#include "core/wire/mix_models_trained.inc"
-};
-constexpr std::int16_t kWeights[2][kMixWeights] = {
-#include "core/wire/mix_weights_trained.inc"
+// Then the weights of the mixers, 1/256. Written by bench/pack_starts from mix_models_trained.inc
+// and mix_weights_trained.inc.
+constexpr std::uint8_t kPacked[] = {
+#include "core/wire/mix_models_packed.inc"
 };
 
 constexpr std::uint8_t kSeen[16] = {0, 1, 2, 3, 4, 6, 8, 10, 14, 18, 24, 32, 44, 60, 80, 110};
@@ -21,38 +21,51 @@ MixedModel unfold(std::uint16_t start) noexcept {
   return {p, p, kSeen[start & 15U]};
 }
 
-// In place: the models are too many for a thread's stack.
-void unfold(bool lossless, MixModels& models) noexcept {
-  models.plain = trained_models(lossless);
-  const std::uint16_t* start = kStarts[lossless ? 0 : 1];
-  for (auto& context : models.pixel) {
-    for (MixedModel& model : context) model = unfold(*start++);
-  }
-  constexpr int kNearest = kMaskInputContexts[0], kWide = kMaskInputContexts[kWideMask];
-  for (int i = 0; i < kAllMaskContexts; ++i) {
-    if (i < kNearest || i >= kNearest + kWide) {
-      models.mask[i] = unfold(*start++);
-    } else {
-      models.mask[i] = models.mask[i % kNearest];
-      models.mask[i].seen = std::min<std::uint8_t>(models.mask[i].seen, 2);
-    }
-  }
-  const std::int16_t* weight = kWeights[lossless ? 0 : 1];
+void unfold_weights(StartWordReader& words, MixModels& models) noexcept {
   for (auto& set : models.pixel_mixers) {
     for (auto& mixer : set) {
-      for (auto& w : mixer.weight) w = *weight++ * 256;
+      for (auto& w : mixer.weight) w = words.next_weight() * 256;
     }
   }
   for (auto& mixer : models.mask_mixers) {
-    for (auto& w : mixer.weight) w = *weight++ * 256;
+    for (auto& w : mixer.weight) w = words.next_weight() * 256;
   }
 }
 
 struct Trained {
   MixModels lossless, bounded;
+
+  // In place: the models are too many for a thread's stack.
   Trained() noexcept {
-    unfold(true, lossless);
-    unfold(false, bounded);
+    lossless.plain = trained_models(true);
+    bounded.plain = trained_models(false);
+    StartReader reader(kPacked);
+    StartWordReader words(reader);
+    const auto next = [&](MixedModel& first, MixedModel& second) {
+      const auto starts = words.next_of_both();
+      first = unfold(starts[0]);
+      second = unfold(starts[1]);
+    };
+    words.set_stride(kPixelSlots);
+    for (int c = 0; c < kAllPixelContexts; ++c) {
+      for (int slot = 0; slot < kPixelSlots; ++slot)
+        next(lossless.pixel[c][slot], bounded.pixel[c][slot]);
+    }
+    words.set_stride(1);
+    constexpr int kNearest = kMaskInputContexts[0], kWide = kMaskInputContexts[kWideMask];
+    for (int i = 0; i < kAllMaskContexts; ++i) {
+      if (i < kNearest || i >= kNearest + kWide) {
+        next(lossless.mask[i], bounded.mask[i]);
+        continue;
+      }
+      for (MixedModel* mask : {lossless.mask, bounded.mask}) {
+        mask[i] = mask[i % kNearest];
+        mask[i].seen = std::min<std::uint8_t>(mask[i].seen, 2);
+      }
+    }
+    words.set_stride(kPixelInputs);
+    unfold_weights(words, lossless);
+    unfold_weights(words, bounded);
   }
 };
 

@@ -4,17 +4,17 @@
 #include <bit>
 #include <type_traits>
 
+#include "core/wire/start_reader.hpp"
+
 namespace planecast {
 namespace {
 
 // A start in 16 bits: the probability of a 1 in 1/4096 above, the class of
-// decisions seen below. Then the weights of the mixers. Written by
-// bench/train_points; see there.
-constexpr std::uint16_t kOccupancyStarts[kOccupancyModelCount] = {
-#include "core/wire/point_occupancy_trained.inc"
-};
-constexpr std::uint16_t kCountStarts[kCountModelCount] = {
-#include "core/wire/point_counts_trained.inc"
+// decisions seen below; occupancy, then counts. Written by bench/pack_starts
+// from point_occupancy_trained.inc and point_counts_trained.inc. The weights
+// of the mixers are bench/train_points'.
+constexpr std::uint8_t kPacked[] = {
+#include "core/wire/point_models_packed.inc"
 };
 constexpr std::int32_t kWeights[kPointWeightCount] = {
 #include "core/wire/point_weights_trained.inc"
@@ -34,15 +34,19 @@ std::uint16_t probability(std::uint16_t start) noexcept {
 // In place: the models are too many for a thread's stack.
 PointModels unfold() noexcept {
   PointModels models;
+  StartReader reader(kPacked);
+  StartWordReader words(reader);
+  words.set_stride(kSiblingStates);
   auto* occupancy = reinterpret_cast<MixedModel*>(&models.occupancy);
   for (std::size_t i = 0; i < kOccupancyModelCount; ++i) {
-    const std::uint16_t p = probability(kOccupancyStarts[i]);
-    occupancy[i] = {p, p, kSeen[kOccupancyStarts[i] & 15U]};
+    const std::uint16_t start = words.next(), p = probability(start);
+    occupancy[i] = {p, p, kSeen[start & 15U]};
   }
+  words.set_stride(1);
   auto* counts = reinterpret_cast<BitModel*>(&models.single);
   for (std::size_t i = 0; i < kCountModelCount; ++i) {
-    const std::uint16_t p = probability(kCountStarts[i]);
-    counts[i] = {p, kAges[kCountStarts[i] & 15U]};
+    const std::uint16_t start = words.next();
+    counts[i] = {probability(start), kAges[start & 15U]};
   }
   return models;
 }
@@ -54,6 +58,8 @@ PointMixers unfold_weights() noexcept {
 }
 
 }  // namespace
+
+PointModels::PointModels() noexcept = default;
 
 const PointModels& trained_point_models() noexcept {
   static const PointModels kModels = unfold();

@@ -28,6 +28,8 @@ inline constexpr std::size_t kSizeSlots = 33;
 inline constexpr std::size_t kExtraContexts = 20;
 
 struct PointModels {
+  PointModels() noexcept;  ///< nothing known; not inline, which would be a kilobyte each
+
   OccupancyModels occupancy[2];                     ///< the last level, and those above
   BitModel single[32];                              ///< a lone node holds one point, by level
   BitModel extra_size[kExtraContexts][kSizeSlots];  ///< bit length of a group's

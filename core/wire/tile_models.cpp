@@ -1,37 +1,47 @@
 #include "core/wire/tile_models.hpp"
 
-#include <array>
-#include <bit>
+#include <cstddef>
 #include <type_traits>
+
+#include "core/wire/start_reader.hpp"
 
 namespace planecast {
 namespace {
 
 // A start in 16 bits: the probability of a 1 in 1/4096 above, the age's class below. Written by
-// bench/train_models; see there.
-constexpr std::uint16_t kStarts[2][kTileModelCount] = {
-#include "core/wire/tile_models_trained.inc"
+// bench/pack_starts from tile_models_trained.inc.
+constexpr std::uint8_t kPacked[] = {
+#include "core/wire/tile_models_packed.inc"
 };
 
 constexpr std::uint8_t kAges[16] = {0, 1, 2, 3, 4, 5, 6, 9, 12, 16, 22, 30, 40, 60, 80, 100};
 
 static_assert(std::is_trivially_copyable_v<TileModels> && alignof(TileModels) == alignof(BitModel));
 
-TileModels unfold(const std::uint16_t* starts) noexcept {
-  std::array<BitModel, kTileModelCount> models;
-  for (std::size_t i = 0; i < kTileModelCount; ++i) {
-    const auto probability = static_cast<std::uint16_t>((starts[i] >> 4U) * 16U + 8U);
-    models[i] = {probability, kAges[starts[i] & 15U]};
+struct Trained {
+  TileModels lossless, bounded;
+  Trained() noexcept {
+    BitModel* const sets[2] = {reinterpret_cast<BitModel*>(&lossless),
+                               reinterpret_cast<BitModel*>(&bounded)};
+    StartReader reader(kPacked);
+    StartWordReader words(reader);
+    for (std::size_t i = 0; i < kTileModelCount; ++i) {
+      const auto starts = words.next_of_both();
+      for (std::size_t set = 0; set < 2; ++set) {
+        const auto probability = static_cast<std::uint16_t>((starts[set] >> 4U) * 16U + 8U);
+        sets[set][i] = {probability, kAges[starts[set] & 15U]};
+      }
+    }
   }
-  return std::bit_cast<TileModels>(models);
-}
+};
 
 }  // namespace
 
+TileModels::TileModels() noexcept = default;
+
 const TileModels& trained_models(bool lossless) noexcept {
-  static const TileModels kLossless = unfold(kStarts[0]);
-  static const TileModels kBounded = unfold(kStarts[1]);
-  return lossless ? kLossless : kBounded;
+  static const Trained kTrained;
+  return lossless ? kTrained.lossless : kTrained.bounded;
 }
 
 }  // namespace planecast

@@ -20,6 +20,8 @@ inline constexpr int kPlaneLengths = 13;
 inline constexpr int kPlaneContexts = 6;
 
 struct TileModels {
+  TileModels() noexcept;  ///< nothing known; not inline, which would be a kilobyte each
+
   BitModel block_any[9];   ///< the block has a reading; by left and above block
   BitModel block_full[9];  ///< ... and no hole
   BitModel

@@ -88,7 +88,7 @@ Status TilePacker::pack_plain(const CodingTables& tables, const FrameModel& fram
   RangeEncoder coder(out.first(room));
   FillGate gate(fill, room);
   models_ = trained_models(tables.bounds->lossless());
-  if (tables.bounds->lossless()) residuals_ = trained_residuals(tables.levels->every_count());
+  if (tables.bounds->lossless()) residuals_ = *tables.residuals;
   jumps_in_ = jumps_out_ = decided_ = 0;
   code_head(job, coder, fill.allowed() ? fill.planned : rect.bh);
   clear_rows(rows_, rect.bw);

@@ -21,12 +21,15 @@
 
 namespace planecast {
 
+struct ResidualModels;
+
 /// Everything derived from a key packet that coding a tile reads. Not owned.
 struct CodingTables {
   const StreamConfig* config = nullptr;
   const RayTable* rays = nullptr;
   const LevelTable* levels = nullptr;
   const BoundTable* bounds = nullptr;
+  const ResidualModels* residuals = nullptr;  ///< what lossless tiles start from
 };
 
 /// Most blocks along one side of a tile.

@@ -27,7 +27,7 @@ Status TileUnpacker::unpack(const CodingTables& tables, std::span<const std::uin
   job.last_level = static_cast<std::int32_t>(tables.levels->count()) - 1;
   RangeDecoder coder(in);
   models_ = trained_models(tables.bounds->lossless());
-  if (tables.bounds->lossless()) residuals_ = trained_residuals(tables.levels->every_count());
+  if (tables.bounds->lossless()) residuals_ = *tables.residuals;
   Status status = read_head(job, coder);
   if (status != Status::kOk) return status;
   if (content.runs) {

@@ -105,7 +105,8 @@ void print_residual_models() {
     std::printf("\n");
   };
   for (const bool every_count : {false, true}) {
-    const ResidualModels& models = trained_residuals(every_count);
+    static ResidualModels models;
+    unpack_residuals(every_count, models);
     for (const SymbolModel& m : models.shape) print(every_count ? "shape1" : "shape0", m);
     for (const SymbolModel& m : models.errors) print(every_count ? "errors1" : "errors0", m);
   }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "core/base/random.hpp"
@@ -101,8 +102,10 @@ TEST(SymbolModel, TrainedStartsRiseAndLeaveEverySymbolRoom) {
     }
   };
   for (const bool every_count : {false, true}) {
-    check(trained_residuals(every_count).shape);
-    check(trained_residuals(every_count).errors);
+    const auto models = std::make_unique<ResidualModels>();
+    unpack_residuals(every_count, *models);
+    check(models->shape);
+    check(models->errors);
   }
 }
 
