@@ -8,21 +8,6 @@
 #include "core/sensor/pose_fixed.hpp"
 
 namespace planecast {
-namespace {
-
-constexpr double kRayUnit = 1.0 / 134217728.0;  // 2^-27
-
-double distance(const Point3f& a, const Point3f& b) noexcept {
-  const double x = double{a.x} - b.x, y = double{a.y} - b.y, z = double{a.z} - b.z;
-  return std::sqrt(x * x + y * y + z * z);
-}
-
-Point3f on_ray(const OpticalAxes& axes, const RayTable& rays, PixelAt at, double depth) noexcept {
-  return axes.point(rays.x(at.u, at.v) * kRayUnit, rays.y(at.u, at.v) * kRayUnit, depth);
-}
-
-}  // namespace
-
 OpticalAxes::OpticalAxes(const StreamConfig& config)
     : identity_(config.axes == PoseFixed{} && !config.mirror_y), flip_y_(config.mirror_y ? -1 : 1) {
   const Pose p = to_pose(config.axes);
@@ -39,19 +24,6 @@ OpticalAxes::OpticalAxes(const StreamConfig& config)
   t_[2] = p.tz;
 }
 
-double OpticalAxes::depth(const Point3f& p) const noexcept {
-  if (identity_) return p.z;
-  return m_[0][2] * (p.x - t_[0]) + m_[1][2] * (p.y - t_[1]) + m_[2][2] * (p.z - t_[2]);
-}
-
-Point3f OpticalAxes::point(double x, double y, double depth) const noexcept {
-  const double px = x * depth, py = flip_y_ * y * depth;
-  if (identity_) return {static_cast<float>(px), static_cast<float>(py), static_cast<float>(depth)};
-  return {static_cast<float>(m_[0][0] * px + m_[0][1] * py + m_[0][2] * depth + t_[0]),
-          static_cast<float>(m_[1][0] * px + m_[1][1] * py + m_[1][2] * depth + t_[1]),
-          static_cast<float>(m_[2][0] * px + m_[2][1] * py + m_[2][2] * depth + t_[2])};
-}
-
 Result<std::shared_ptr<const CameraRays>> camera_rays(const CameraModel& camera) {
   auto rays = std::make_shared<CameraRays>();
   rays->storage.resize(ray_table_entries(camera));
@@ -61,24 +33,6 @@ Result<std::shared_ptr<const CameraRays>> camera_rays(const CameraModel& camera)
                  "coefficients of --distortion"};
   }
   return std::shared_ptr<const CameraRays>(std::move(rays));
-}
-
-double Contract::bound_m(double depth_m) const noexcept {
-  switch (kind) {
-    case ToleranceKind::kMetres:
-      return value;
-    case ToleranceKind::kSigma:
-    case ToleranceKind::kSurfaces:
-      return value * noise.sigma_m(depth_m);
-    case ToleranceKind::kLossless:
-      break;
-  }
-  return 0;
-}
-
-double misfit_m(const OpticalAxes& axes, const RayTable& rays, double metres_per_count,
-                const Point3f& point, PixelAt at, std::uint16_t count) noexcept {
-  return distance(point, on_ray(axes, rays, at, count * metres_per_count));
 }
 
 CloudFit measure_fit(const StreamConfig& config, const RayTable& rays, const Contract& contract,
@@ -91,13 +45,13 @@ CloudFit measure_fit(const StreamConfig& config, const RayTable& rays, const Con
     if (depth[i] == 0 || depth[i] < least || depth[i] > most) continue;
     const PixelAt pixel{static_cast<std::uint32_t>(i % rays.width),
                         static_cast<std::uint32_t>(i / rays.width)};
-    const double off = misfit_m(axes, rays, unit, points[i], pixel, depth[i]);
+    const double off = std::sqrt(misfit_square_m2(axes, rays, points[i], pixel, depth[i] * unit));
     fit.worst_m = std::max(fit.worst_m, off);
     if (contract.kind == ToleranceKind::kLossless) continue;
     const double at = axes.depth(points[i]);
     const double bound = contract.bound_m(at);
     const double none = std::numeric_limits<double>::infinity();
-    const double lateral = distance(points[i], on_ray(axes, rays, pixel, at));
+    const double lateral = std::sqrt(misfit_square_m2(axes, rays, points[i], pixel, at));
     fit.worst_share = std::max(fit.worst_share, bound > 0 ? off / bound : none);
     fit.lateral_share = std::max(fit.lateral_share, bound > 0 ? lateral / bound : none);
   }

@@ -28,9 +28,19 @@ class OpticalAxes {
   explicit OpticalAxes(const StreamConfig& config);
 
   /// Depth along the optical axis [m].
-  double depth(const Point3f& p) const noexcept;
+  double depth(const Point3f& p) const noexcept {
+    if (identity_) return p.z;
+    return m_[0][2] * (p.x - t_[0]) + m_[1][2] * (p.y - t_[1]) + m_[2][2] * (p.z - t_[2]);
+  }
   /// The point at `depth` on the ray (x, y, 1), in the cloud's axes [m], as the decoder has it.
-  Point3f point(double x, double y, double depth) const noexcept;
+  Point3f point(double x, double y, double depth) const noexcept {
+    const double px = x * depth, py = flip_y_ * y * depth;
+    if (identity_)
+      return {static_cast<float>(px), static_cast<float>(py), static_cast<float>(depth)};
+    return {static_cast<float>(m_[0][0] * px + m_[0][1] * py + m_[0][2] * depth + t_[0]),
+            static_cast<float>(m_[1][0] * px + m_[1][1] * py + m_[1][2] * depth + t_[1]),
+            static_cast<float>(m_[2][0] * px + m_[2][1] * py + m_[2][2] * depth + t_[2])};
+  }
 
  private:
   bool identity_;
@@ -55,7 +65,18 @@ struct Contract {
   NoiseModel noise;
 
   /// The bound of a reading at a depth [m]; 0 when lossless.
-  double bound_m(double depth_m) const noexcept;
+  double bound_m(double depth_m) const noexcept {
+    switch (kind) {
+      case ToleranceKind::kMetres:
+        return value;
+      case ToleranceKind::kSigma:
+      case ToleranceKind::kSurfaces:
+        return value * noise.sigma_m(depth_m);
+      case ToleranceKind::kLossless:
+        break;
+    }
+    return 0;
+  }
 };
 
 /// How far points are from where their pixel's ray and their count put them.
@@ -70,9 +91,16 @@ struct PixelAt {
   std::uint32_t u = 0, v = 0;
 };
 
-/// Distance of a pixel's point from the point that the decoder makes of `count` [m].
-double misfit_m(const OpticalAxes& axes, const RayTable& rays, double metres_per_count,
-                const Point3f& point, PixelAt at, std::uint16_t count) noexcept;
+/// Squared distance of a pixel's point from the one that lies on its ray at `depth` [m^2].
+inline double misfit_square_m2(const OpticalAxes& axes, const RayTable& rays, const Point3f& point,
+                               PixelAt at, double depth) noexcept {
+  constexpr double kRayUnit = 1.0 / 134217728.0;  // 2^-27
+  const Point3f made =
+      axes.point(rays.x(at.u, at.v) * kRayUnit, rays.y(at.u, at.v) * kRayUnit, depth);
+  const double x = double{point.x} - made.x, y = double{point.y} - made.y;
+  const double z = double{point.z} - made.z;
+  return x * x + y * y + z * z;
+}
 
 /// Measures all readings with counts between the limits. `depth` holds the cloud's counts. O(n).
 CloudFit measure_fit(const StreamConfig& config, const RayTable& rays, const Contract& contract,

@@ -128,7 +128,7 @@ double chosen_unit(const CodecOptions& options, const StreamSetup& setup, const 
 
 // A count that the filter's range gate will refuse, for a reading outside its limits; 0: inside, or
 // no count is refused.
-std::uint16_t gated_count(const StageOptions& stages, double count) {
+std::uint16_t gated_count(const StageOptions& stages, std::int32_t count) {
   if (count < stages.range_min) return stages.range_min > 1 ? 1 : 0;
   if (count > stages.range_max) return stages.range_max < 65535 ? 65535 : 0;
   return 0;
@@ -136,8 +136,8 @@ std::uint16_t gated_count(const StageOptions& stages, double count) {
 
 // The nearest whole number; of what lies far beyond all counts, one beyond them. std::round is a
 // call a point.
-double nearest_count(double steps) {
-  return static_cast<double>(static_cast<std::int64_t>(std::clamp(steps, -1.0, 1e6) + 0.5));
+std::int32_t nearest_count(double steps) {
+  return static_cast<std::int32_t>(std::clamp(steps, -1.0, 1e6) + 0.5);
 }
 
 Error off_the_stream(const SensorFrame& frame, std::size_t i) {
@@ -154,25 +154,31 @@ Result<Done> count_points(const StreamSetup& setup, const SensorFrame& frame, bo
   const StreamConfig& config = setup.encoder.stream;
   const OpticalAxes axes(config);
   const double unit = static_cast<double>(config.camera.unit_pm) * 1e-12;
+  const double counts_per_metre = 1 / unit;
+  // Every contract's bound is a constant and a part that grows with depth squared.
   const bool lossless = config.tolerance == ToleranceKind::kLossless;
-  const RayTable& rays = setup.rays->table;
+  const double constant =
+      lossless ? kExactResidual : setup.allowed_share * setup.contract.bound_m(0);
+  const double growing = lossless ? 0 : setup.allowed_share * setup.contract.bound_m(1) - constant;
+  const RayTable rays = setup.rays->table;
+  const StageOptions stages = setup.encoder.stages;
+  const ZGridTable* const grid = setup.grid.get();
   depth.assign(frame.cloud.points.size(), 0);
   std::size_t i = 0;
   for (std::uint32_t v = 0; v < rays.height; ++v) {
     for (std::uint32_t u = 0; u < rays.width; ++u, ++i) {
-      const Point3f& p = frame.cloud.points[i];
+      const Point3f p = frame.cloud.points[i];
       if (!is_depth_reading(p)) continue;
       const double at = axes.depth(p);
-      const double near = nearest_count(at / unit);
-      depth[i] = gated_count(setup.encoder.stages, near);
+      const std::int32_t near = nearest_count(at * counts_per_metre);
+      depth[i] = gated_count(stages, near);
       if (depth[i] != 0) continue;
-      const double count = setup.grid != nullptr ? setup.grid->count(p.z) : near;
-      if (!(count >= 1 && count <= 65535)) return off_the_stream(frame, i);
+      const std::int32_t count = grid != nullptr ? grid->count(p.z) : near;
+      if (count < 1 || count > 65535) return off_the_stream(frame, i);
       depth[i] = static_cast<std::uint16_t>(count);
       if (!measured) continue;
-      const double allowed =
-          lossless ? kExactResidual : setup.allowed_share * setup.contract.bound_m(at);
-      if (misfit_m(axes, rays, unit, p, {u, v}, depth[i]) > allowed)
+      const double allowed = constant + growing * at * at;
+      if (misfit_square_m2(axes, rays, p, {u, v}, count * unit) > allowed * allowed)
         return off_the_stream(frame, i);
     }
   }
