@@ -124,6 +124,18 @@ inline std::int16_t least8(Short8 a) noexcept {
   return a[0] < a[1] ? a[0] : a[1];
 }
 
+/// Sum of eight, in 32 bits.
+inline std::int32_t sum8(Short8 a) noexcept {
+#ifdef __SSE2__
+  const Int4 pairs = __builtin_ia32_pmaddwd128(a, all8(1));
+  return (pairs[0] + pairs[1]) + (pairs[2] + pairs[3]);
+#else
+  std::int32_t sum = 0;
+  for (int i = 0; i < 8; ++i) sum += a[i];
+  return sum;
+#endif
+}
+
 /// The lower halves of eight whole numbers.
 inline Short8 low_halves8(Int4 first, Int4 second) noexcept {
 #ifdef __SSE2__

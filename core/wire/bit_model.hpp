@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace planecast {
@@ -49,7 +50,7 @@ class BitModel {
   std::uint32_t probability() const noexcept { return (fast() + slow()) >> 1U; }
 
   void update(bool bit) noexcept {
-    const detail::BitStep& step = detail::kBitSteps[word_ >> 32U];
+    const detail::BitStep& step = detail::kBitSteps[static_cast<std::size_t>(word_ >> 32U)];
     // 65535 - p is ~p: towards a 1 the same step is taken from the other end.
     const std::uint32_t turn = 0U - std::uint32_t{bit};
     const std::uint32_t both = static_cast<std::uint32_t>(word_) ^ turn;

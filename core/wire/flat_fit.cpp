@@ -171,12 +171,7 @@ Slopes near_slopes(const FlatWindow& window, const NearSurface& at) noexcept {
     left[y] = minus8(minus8(both, base), (at.row(y) + quarter) >> 7) & there[y];
     sums += left[y];
   }
-  const auto sum_of = [](Short8 a) {
-    std::int32_t sum = 0;
-    for (int x = 0; x < 8; ++x) sum += a[x];
-    return sum;
-  };
-  const std::int32_t mean = sum_of(sums) / std::max(window.readings, 1);
+  const std::int32_t mean = sum8(sums) / std::max(window.readings, 1);
   const Short8 weights = {-7, -5, -3, -1, 1, 3, 5, 7};
   Short8 along = {}, down = {};
   for (int y = 0; y < 8; ++y) {
@@ -184,7 +179,7 @@ Slopes near_slopes(const FlatWindow& window, const NearSurface& at) noexcept {
     along += off * weights;
     down += off * all8(static_cast<std::int16_t>(2 * y - 7));
   }
-  return slopes_of(sum_of(along), sum_of(down));
+  return slopes_of(sum8(along), sum8(down));
 }
 
 Slopes far_slopes(const FlatWindow& window, const BlockSurface& at) noexcept {
@@ -243,14 +238,9 @@ void FlatWindow::prepare() noexcept {
     least = min8(least, l | (hole & all8(32767)));
     most = max8(most, h);
   }
-  readings = 64;
-  bool wide = false;
-  empty = false;
-  for (int x = 0; x < 8; ++x) {
-    readings += holes[x];
-    wide |= sign[x] < 0;
-    empty |= inverted[x] != 0;
-  }
+  readings = 64 + sum8(holes);
+  const bool wide = nonzero_bits8(reinterpret_cast<Count8>(sign < 0)) != 0;
+  empty = nonzero_bits8(reinterpret_cast<Count8>(inverted)) != 0;
   const std::int32_t bottom = least8(least), top = most8(most);
   narrow = !wide && top - bottom <= 2 * kNarrow - 2;
   empty &= !wide;  // of levels beyond 32767 the signs say nothing

@@ -35,9 +35,7 @@ std::uint32_t count_readings(const std::uint16_t* depth, std::size_t width, std:
     Short8 holes = {};  // counted downwards
     for (std::uint32_t y = 0; y < rows; ++y)
       holes += reinterpret_cast<Short8>(load8(depth + y * width) == Count8{});
-    std::int32_t sum = 0;
-    for (int x = 0; x < 8; ++x) sum += holes[x];
-    return columns * rows - static_cast<std::uint32_t>(-sum);
+    return columns * rows - static_cast<std::uint32_t>(-sum8(holes));
   }
   for (std::uint32_t y = 0; y < rows; ++y) {
     for (std::uint32_t x = 0; x < columns; ++x) readings += depth[y * width + x] != 0;
