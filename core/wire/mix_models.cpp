@@ -10,7 +10,7 @@ namespace {
 // Starts in 16 bits: the probability of a 1 in 1/4096 above, the class of decisions seen below.
 // Then the weights of the mixers, 1/256. Written by bench/pack_starts from mix_models_trained.inc
 // and mix_weights_trained.inc.
-constexpr std::uint8_t kPacked[] = {
+constexpr std::uint8_t kPackedMixes[] = {
 #include "core/wire/mix_models_packed.inc"
 };
 
@@ -39,7 +39,7 @@ struct Trained {
   Trained() noexcept {
     lossless.plain = trained_models(true);
     bounded.plain = trained_models(false);
-    StartReader reader(kPacked);
+    StartReader reader(kPackedMixes);
     StartWordReader words(reader);
     const auto next = [&](MixedModel& first, MixedModel& second) {
       const auto starts = words.next_of_both();

@@ -13,7 +13,7 @@ namespace {
 // decisions seen below; occupancy, then counts. Written by bench/pack_starts
 // from point_occupancy_trained.inc and point_counts_trained.inc. The weights
 // of the mixers are bench/train_points'.
-constexpr std::uint8_t kPacked[] = {
+constexpr std::uint8_t kPackedPoints[] = {
 #include "core/wire/point_models_packed.inc"
 };
 constexpr std::int32_t kWeights[kPointWeightCount] = {
@@ -34,7 +34,7 @@ std::uint16_t probability(std::uint16_t start) noexcept {
 // In place: the models are too many for a thread's stack.
 PointModels unfold() noexcept {
   PointModels models;
-  StartReader reader(kPacked);
+  StartReader reader(kPackedPoints);
   StartWordReader words(reader);
   words.set_stride(kSiblingStates);
   auto* occupancy = reinterpret_cast<MixedModel*>(&models.occupancy);

@@ -6,14 +6,14 @@ namespace planecast {
 namespace {
 
 // Written by bench/pack_starts from residual_models_trained.inc.
-constexpr std::uint8_t kPacked[] = {
+constexpr std::uint8_t kPackedResiduals[] = {
 #include "core/wire/residual_models_packed.inc"
 };
 
 }  // namespace
 
 void unpack_residuals(bool every_count, ResidualModels& models) noexcept {
-  StartReader reader(kPacked);
+  StartReader reader(kPackedResiduals);
   ResidualStartReader starts(reader);
   const auto next = [&] {
     const SymbolModel sets[2] = {starts.next(false).model(), starts.next(true).model()};

@@ -10,7 +10,7 @@ namespace {
 
 // A start in 16 bits: the probability of a 1 in 1/4096 above, the age's class below. Written by
 // bench/pack_starts from tile_models_trained.inc.
-constexpr std::uint8_t kPacked[] = {
+constexpr std::uint8_t kPackedTiles[] = {
 #include "core/wire/tile_models_packed.inc"
 };
 
@@ -23,7 +23,7 @@ struct Trained {
   Trained() noexcept {
     BitModel* const sets[2] = {reinterpret_cast<BitModel*>(&lossless),
                                reinterpret_cast<BitModel*>(&bounded)};
-    StartReader reader(kPacked);
+    StartReader reader(kPackedTiles);
     StartWordReader words(reader);
     for (std::size_t i = 0; i < kTileModelCount; ++i) {
       const auto starts = words.next_of_both();
