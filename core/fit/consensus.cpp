@@ -80,6 +80,7 @@ std::size_t move_off_plane_first(const RegionMap& regions, std::span<std::uint32
 int split_regions(RegionMap& regions, std::span<RegionFit> fits, std::span<std::uint32_t> scratch,
                   const ConsensusOptions& options) noexcept {
   int split = 0;
+  std::uint64_t changed = 0;  // labels, as bits
   const int before = regions.regions;
   for (int k = 1; k <= before; ++k) {
     const RegionFit& fit = fits[k - 1];
@@ -96,6 +97,7 @@ int split_regions(RegionMap& regions, std::span<RegionFit> fits, std::span<std::
       const std::size_t off = move_off_plane_first(regions, cells, plane, options.inlier_residual);
       if (left - off < options.min_cells) break;
       const int label = first ? k : ++regions.regions;
+      changed |= std::uint64_t{1} << label;
       for (const std::uint32_t i : cells.subspan(off)) {
         regions.labels[i] = static_cast<std::uint8_t>(label);
       }
@@ -106,7 +108,7 @@ int split_regions(RegionMap& regions, std::span<RegionFit> fits, std::span<std::
     ++split;
     for (const std::uint32_t i : scratch.first(left)) regions.labels[i] = 0;
   }
-  if (split > 0) fit_regions(regions, fits);
+  if (split > 0) fit_regions(regions, fits, changed);
   return split;
 }
 

@@ -65,17 +65,19 @@ bool is_inlier(const Cell& cell, const FloatSurface& surface) noexcept {
 
 }  // namespace
 
-void fit_regions(const RegionMap& regions, std::span<RegionFit> fits) noexcept {
+void fit_regions(const RegionMap& regions, std::span<RegionFit> fits,
+                 std::uint64_t wanted) noexcept {
   std::array<Sums, kMaxSurfaces + 1> all{};
   std::array<float, kMaxSurfaces + 1> least{};
-  for (int k = 0; k < regions.regions; ++k) fits[k] = {};
   for_each_cell(regions, [&](const Cell& cell, std::uint8_t label) {
+    if (((wanted >> label) & 1U) == 0) return;
     Sums& sums = all[label];
     least[label] = sums.cells == 0 ? cell.variance : std::min(least[label], cell.variance);
     sums.add(cell, is_curved(regions, label));
   });
   for (int k = 0; k < regions.regions; ++k) {
-    RegionFit& fit = fits[k];
+    if (((wanted >> (k + 1)) & 1U) == 0) continue;
+    RegionFit& fit = fits[k] = {};
     const Sums& sums = all[k + 1];
     fit.cells = sums.cells;
     fit.readings = sums.readings;

@@ -19,9 +19,10 @@ struct RegionFit {
   bool valid = false;
 };
 
-/// Fits region k to fits[k - 1] for k = 1 .. regions.regions; fits.size() >= regions.regions.
-/// O(cells); no allocation.
-void fit_regions(const RegionMap& regions, std::span<RegionFit> fits) noexcept;
+/// Fits region k to fits[k - 1] for k = 1 .. regions.regions whose bit k is in `wanted`;
+/// fits.size() >= regions.regions. O(cells); no allocation.
+void fit_regions(const RegionMap& regions, std::span<RegionFit> fits,
+                 std::uint64_t wanted = ~std::uint64_t{0}) noexcept;
 
 /// Fits the surfaces that fit_regions() found once more, to the cells inside their regions: those
 /// at a border may hold readings of another surface, and an outlier's is none of this one. A region

@@ -36,7 +36,6 @@ Status LevelTable::build(const Lattice& lattice) noexcept {
     depth_[count_] = static_cast<std::uint16_t>(count_);
     ++count_;
   }
-  lattice_from_q8_ = std::int64_t{dense} * 256;
   std::uint32_t last_k = 0;
   if (lattice.present()) {
     const std::uint64_t first_k = (lattice.c_q8 >> 8U) / dense + 1;
@@ -48,7 +47,8 @@ Status LevelTable::build(const Lattice& lattice) noexcept {
       last_k = static_cast<std::uint32_t>(k);
     }
   }
-  if (last_k == 0) lattice_from_q8_ = std::int64_t{kCounts} * 256;
+  const std::uint64_t from_q8 = std::uint64_t{last_k == 0 ? kCounts : dense} * 256;
+  lattice_most_iv_ = static_cast<std::int64_t>(kOneQ8 / (from_q8 + 1));
   top_q8_ =
       std::int64_t{count_ - 1} * 256 + std::int64_t{last_k} * 256 + (lattice.offset_q16 >> 8U);
 

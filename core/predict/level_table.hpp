@@ -59,9 +59,9 @@ class LevelTable {
   /// steps of 2^-31 per count; values below 1 are taken as 1.
   std::int32_t level_q8(std::int64_t iv) const noexcept {
     if (iv < 1) iv = 1;
-    const auto depth_q8 =
-        static_cast<std::int64_t>((std::uint64_t{1} << 39U) / static_cast<std::uint64_t>(iv));
-    if (depth_q8 <= lattice_from_q8_) return clamp_q8(depth_q8);
+    if (iv > lattice_most_iv_) {
+      return clamp_q8(static_cast<std::int64_t>(kOneQ8 / static_cast<std::uint64_t>(iv)));
+    }
     const auto k_q8 = static_cast<std::int64_t>(
         (static_cast<std::uint64_t>(lattice_.c_q8) * static_cast<std::uint64_t>(iv)) >> 31U);
     return clamp_q8(top_q8_ - k_q8);
@@ -76,7 +76,8 @@ class LevelTable {
 
   Lattice lattice_;
   std::uint32_t count_ = 0;
-  std::int64_t lattice_from_q8_ = 0;  ///< below this depth every count is a level
+  static constexpr std::uint64_t kOneQ8 = std::uint64_t{1} << 39U;  ///< inverse of 1/256 count
+  std::int64_t lattice_most_iv_ = 0;  ///< beyond this inverse depth every count is a level
   std::int64_t top_q8_ = 0;           ///< level_q8 of the lattice's k + offset = 0
   std::span<std::uint16_t> depth_;
   std::span<std::uint16_t> nearest_;

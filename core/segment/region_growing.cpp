@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::uint16_t kGivenUp = 0xffff;
 constexpr std::uint32_t kMaxRegions = 1024;  // before the largest are kept
+constexpr std::uint32_t kKeptSums = 128;
 constexpr std::uint32_t kBuckets = 256;
 // One surface for two regions may add this much to the mean squared residual of the smaller one, in
 // noise variances: a share of what it has, and a constant. What lies apart is held to less.
@@ -56,6 +57,7 @@ void RegionGrowing::layout(Arena& arena, std::uint32_t max_width,
   labels_ = arena.take<std::uint8_t>(cells);
   regions_ = arena.take<Region>(kMaxRegions);
   quadrics_ = arena.take<QuadricSums>(kMaxSurfaces + 1);
+  grown_ = arena.take<QuadricSums>(kKeptSums);
 }
 
 Status RegionGrowing::process(const CellGrid& grid, const GrowingOptions& options,
@@ -65,6 +67,7 @@ Status RegionGrowing::process(const CellGrid& grid, const GrowingOptions& option
   if (cells.size() > mark_.size()) return Status::kFrameTooLarge;
   std::fill_n(mark_.begin(), cells.size(), std::uint16_t{0});
   region_count_ = 0;
+  grown_count_ = 0;
   order_seeds(grid, options.seed_sigmas * options.seed_sigmas);
   for (std::uint32_t i = 0; i < seeds_ && region_count_ < kMaxRegions; ++i) {
     if (mark_[order_[i]] == 0) grow(grid, order_[i], options);
@@ -84,7 +87,7 @@ Status RegionGrowing::process(const CellGrid& grid, const GrowingOptions& option
       curved |= std::uint64_t{1} << region.final_label;
     }
   }
-  out = {grid.cells_wide(), grid.cells_high(), cells, labels_.first(cells.size()), regions, curved,
+  out = {grid.cells_wide(),  grid.cells_high(), cells, labels_.first(cells.size()), regions, curved,
          grid.noise_factor()};
   return Status::kOk;
 }
@@ -168,6 +171,7 @@ void RegionGrowing::try_curved(const CellGrid& grid, Region& region,
   const std::span<const Cell> cells = grid.cells();
   QuadricSums sums;
   for (std::uint32_t i = 0; i < region.cells; ++i) add_cell(sums, cells[queue_[i]]);
+  const QuadricSums flat = sums;
   Region curved = region;
   double mean_square = 0;
   if (!sums.solve(curved.surface, mean_square)) return;
@@ -180,10 +184,19 @@ void RegionGrowing::try_curved(const CellGrid& grid, Region& region,
       sums.solve(curved.surface, mean_square)) {
     region = curved;
     region.squares = mean_square * sums.n;
+    keep_sums(region, sums);
     prefer_plane(region);
     return;
   }
   for (std::uint32_t i = region.cells; i < curved.cells; ++i) mark_[queue_[i]] = 0;
+  keep_sums(region, flat);
+}
+
+// Merging asks for them again.
+void RegionGrowing::keep_sums(Region& region, const QuadricSums& sums) noexcept {
+  if (grown_count_ == grown_.size()) return;
+  grown_[grown_count_] = sums;
+  region.kept_sums = ++grown_count_;
 }
 
 // Labels 1 .. kMaxSurfaces for the largest regions, first found first among equals; 0 for others.
@@ -243,10 +256,15 @@ void RegionGrowing::merge(const CellGrid& grid, const GrowingOptions& options) n
 void RegionGrowing::sum_quadrics(const CellGrid& grid) noexcept {
   const std::span<const Cell> cells = grid.cells();
   std::fill(quadrics_.begin(), quadrics_.end(), QuadricSums{});
+  for (std::uint32_t i = 0; i < region_count_; ++i) {
+    const Region& region = regions_[i];
+    if (region.kept_sums != 0) quadrics_[region.final_label] = grown_[region.kept_sums - 1U];
+  }
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (mark_[i] == 0 || mark_[i] == kGivenUp) continue;
-    const std::uint16_t label = regions_[mark_[i] - 1U].final_label;
-    if (label != 0) add_cell(quadrics_[label], cells[i]);
+    const Region& region = regions_[mark_[i] - 1U];
+    if (region.kept_sums == 0 && region.final_label != 0)
+      add_cell(quadrics_[region.final_label], cells[i]);
   }
 }
 

@@ -21,7 +21,7 @@ struct GrowingOptions {
   bool curved = true;           ///< regions may be of degree two
 };
 
-/// Region growing over the cells of one frame. One thread. Memory: 11 bytes a cell and 250 KiB.
+/// Region growing over the cells of one frame. One thread. Memory: 11 bytes a cell and 280 KiB.
 class RegionGrowing {
  public:
   void layout(Arena& arena, std::uint32_t max_width, std::uint32_t max_height) noexcept;
@@ -38,6 +38,7 @@ class RegionGrowing {
     double squares = 0;  ///< sum of squared residuals of its readings, in noise variances
     std::uint32_t cells = 0;
     std::uint16_t final_label = 0;
+    std::uint16_t kept_sums = 0;  ///< 1 + place of its cells' sums in grown_; 0: not kept
     Region* joined = nullptr;  ///< the region that took this one in
   };
   struct Adjacency;
@@ -46,6 +47,7 @@ class RegionGrowing {
   void grow(const CellGrid& grid, std::uint32_t seed, const GrowingOptions& options) noexcept;
   std::uint32_t spread(const CellGrid& grid, Region& region, std::uint32_t head, std::uint32_t tail,
                        float accept, bool refit) noexcept;
+  void keep_sums(Region& region, const QuadricSums& sums) noexcept;
   void try_curved(const CellGrid& grid, Region& region, const GrowingOptions& options) noexcept;
   void keep_largest() noexcept;
   void merge(const CellGrid& grid, const GrowingOptions& options) noexcept;
@@ -62,6 +64,8 @@ class RegionGrowing {
   std::span<std::uint8_t> labels_;
   std::span<Region> regions_;
   std::span<QuadricSums> quadrics_;  ///< of the kept regions, by label
+  std::span<QuadricSums> grown_;     ///< of the first regions that degree two was tried on
+  std::uint16_t grown_count_ = 0;
   std::uint32_t seeds_ = 0;
   std::uint32_t region_count_ = 0;
 };
