@@ -6,34 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "core/wire/mix_models.hpp"
-#include "core/wire/point_models.hpp"
-#include "core/wire/residual_models.hpp"
 #include "core/wire/start_code.hpp"
 #include "core/wire/start_writer.hpp"
+#include "core/wire/trained_tables.hpp"
 
 namespace {
 
 using namespace planecast;
-
-constexpr std::uint16_t kTileStarts[2][kTileModelCount] = {
-#include "core/wire/tile_models_trained.inc"
-};
-constexpr std::uint16_t kMixed[2][kMixStarts] = {
-#include "core/wire/mix_models_trained.inc"
-};
-constexpr std::int16_t kMixedWeights[2][kMixWeights] = {
-#include "core/wire/mix_weights_trained.inc"
-};
-constexpr std::uint16_t kOccupancy[kOccupancyModelCount] = {
-#include "core/wire/point_occupancy_trained.inc"
-};
-constexpr std::uint16_t kCounts[kCountModelCount] = {
-#include "core/wire/point_counts_trained.inc"
-};
-constexpr ResidualModels kResiduals[2] = {
-#include "core/wire/residual_models_trained.inc"
-};
+using namespace planecast::trained;
 
 // Codes with `code` and writes the bytes to core/wire/NAME_packed.inc.
 template <class Code>
@@ -116,8 +96,7 @@ void mixed(StartWriter& writer) {
 
 void tile(StartWriter& writer) {
   StartWords<StartWriter> words(writer);
-  for (std::size_t i = 0; i < kTileModelCount; ++i)
-    words.next_of_both({kTileStarts[0][i], kTileStarts[1][i]});
+  for (std::size_t i = 0; i < kTileModelCount; ++i) words.next_of_both({kTile[0][i], kTile[1][i]});
 }
 
 void points(StartWriter& writer) {

@@ -8,6 +8,7 @@
 #include "core/sensor/pose_fixed.hpp"
 
 namespace planecast {
+
 OpticalAxes::OpticalAxes(const StreamConfig& config)
     : identity_(config.axes == PoseFixed{} && !config.mirror_y), flip_y_(config.mirror_y ? -1 : 1) {
   const Pose p = to_pose(config.axes);

@@ -155,11 +155,9 @@ Result<Done> count_points(const StreamSetup& setup, const SensorFrame& frame, bo
   const OpticalAxes axes(config);
   const double unit = static_cast<double>(config.camera.unit_pm) * 1e-12;
   const double counts_per_metre = 1 / unit;
-  // Every contract's bound is a constant and a part that grows with depth squared.
   const bool lossless = config.tolerance == ToleranceKind::kLossless;
-  const double constant =
-      lossless ? kExactResidual : setup.allowed_share * setup.contract.bound_m(0);
-  const double growing = lossless ? 0 : setup.allowed_share * setup.contract.bound_m(1) - constant;
+  const Contract contract = setup.contract;
+  const double share = setup.allowed_share;
   const RayTable rays = setup.rays->table;
   const StageOptions stages = setup.encoder.stages;
   const ZGridTable* const grid = setup.grid.get();
@@ -177,7 +175,7 @@ Result<Done> count_points(const StreamSetup& setup, const SensorFrame& frame, bo
       if (count < 1 || count > 65535) return off_the_stream(frame, i);
       depth[i] = static_cast<std::uint16_t>(count);
       if (!measured) continue;
-      const double allowed = constant + growing * at * at;
+      const double allowed = lossless ? kExactResidual : share * contract.bound_m(at);
       if (misfit_square_m2(axes, rays, p, {u, v}, count * unit) > allowed * allowed)
         return off_the_stream(frame, i);
     }

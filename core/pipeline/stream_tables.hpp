@@ -29,8 +29,8 @@ struct FrameLimits {
 };
 
 /// Tables of the current key packet. build() is O(pixels) for a camera with distortion and about
-/// 10 ms otherwise, and 20 ms once to unpack the models that tiles start from: it runs when a key
-/// changes, not once a frame. Read-only between builds.
+/// 10 ms otherwise, and once as much or more to unpack the models that tiles start from: it runs
+/// when a key changes, not once a frame. Read-only between builds.
 class StreamTables {
  public:
   void layout(Arena& arena, const FrameLimits& limits,

@@ -9,10 +9,9 @@
 namespace planecast {
 namespace {
 
-// A start in 16 bits: the probability of a 1 in 1/4096 above, the class of
-// decisions seen below; occupancy, then counts. Written by bench/pack_starts
-// from point_occupancy_trained.inc and point_counts_trained.inc. The weights
-// of the mixers are bench/train_points'.
+// A start in 16 bits: the probability of a 1 in 1/4096 above, the class of decisions seen below;
+// occupancy, then counts. Written by bench/pack_starts from point_occupancy_trained.inc and
+// point_counts_trained.inc. The weights of the mixers are bench/train_points'.
 constexpr std::uint8_t kPackedPoints[] = {
 #include "core/wire/point_models_packed.inc"
 };

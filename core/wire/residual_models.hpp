@@ -12,8 +12,8 @@ struct ResidualModels {
 };
 
 /// Models at the start of a lossless tile: trained constants, one set for sensors whose levels lie
-/// on a lattice and one for those that say every count. Takes about 20 ms and 20 kB of stack: a
-/// stream's tables hold them (CodingTables::residuals).
+/// on a lattice and one for those that say every count. Overwrites all of `models`. Cold path, some
+/// 10^8 instructions and 20 kB of stack: a stream's tables hold them (CodingTables::residuals).
 void unpack_residuals(bool every_count, ResidualModels& models) noexcept;
 
 }  // namespace planecast

@@ -1,6 +1,6 @@
-// How the trained starts of models lie in the program: packed, a
-// third of what they take as tables. bench/pack_starts writes them from the tables of
-// core/wire/*_trained.inc, which say what they are; the library unpacks them once.
+// How the trained starts of models lie in the program: packed, a third of what they take as tables.
+// bench/pack_starts writes them from the tables (trained_tables.hpp), which say what they are; the
+// library unpacks them once.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Reads the packed starts of models (start_code.hpp): a binary arithmetic coder of 32
-// bits, small in code (after Mahoney's lpaq). Of neither half: both start from the same constants.
+// Reads the packed starts of models (start_code.hpp): a binary arithmetic coder of 32 bits, small
+// in code (after Mahoney's lpaq). Of neither half: both start from the same constants.
 #pragma once
 
 #include <cstddef>

@@ -147,6 +147,28 @@ TEST(Consensus, SplitsARegionThatHoldsTwoPlanes) {
   EXPECT_NE(bench.regions.labels[15 * 40 + 2], bench.regions.labels[15 * 40 + 37]);
 }
 
+TEST(Consensus, LeavesTheFitsOfAllRegionsAsFittingThemAllWould) {
+  FitBench bench(fit_config(320, 240));
+  ASSERT_EQ(bench.run(corner_of_two_walls(bench.rays)), Status::kOk);
+  // The upper half keeps its two regions, the lower half holds both planes in one.
+  for (std::size_t i = 0; i < bench.regions.labels.size(); ++i) {
+    const std::uint8_t half = i % 40 < 20 ? 1 : 2;
+    bench.regions.labels[i] = i < 15 * 40 ? half : std::uint8_t{3};
+  }
+  bench.regions.regions = 3;
+  std::vector<RegionFit> fits(kMaxSurfaces), all(kMaxSurfaces);
+  std::vector<std::uint32_t> scratch(bench.regions.cells.size());
+  fit_regions(bench.regions, fits);
+  ASSERT_EQ(split_regions(bench.regions, fits, scratch, {}), 1);
+  ASSERT_GE(bench.regions.regions, 4);
+  fit_regions(bench.regions, all);
+  for (int k = 0; k < bench.regions.regions; ++k) {
+    EXPECT_EQ(fits[k].cells, all[k].cells) << k;
+    EXPECT_EQ(fits[k].residual, all[k].residual) << k;
+    EXPECT_EQ(fits[k].surface.c, all[k].surface.c) << k;
+  }
+}
+
 TEST(SurfaceQuantise, RoundingMovesNoPixelByMoreThanItsShareOfSigma) {
   Pcg32 random(3);
   const FitBench bench(fit_config(160, 120));

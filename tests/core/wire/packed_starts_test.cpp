@@ -6,33 +6,14 @@
 #include <memory>
 #include <vector>
 
-#include "core/wire/mix_models.hpp"
-#include "core/wire/point_models.hpp"
-#include "core/wire/residual_models.hpp"
 #include "core/wire/start_code.hpp"
 #include "core/wire/start_writer.hpp"
+#include "core/wire/trained_tables.hpp"
 
 namespace planecast {
 namespace {
 
-constexpr std::uint16_t kTile[2][kTileModelCount] = {
-#include "core/wire/tile_models_trained.inc"
-};
-constexpr std::uint16_t kMixed[2][kMixStarts] = {
-#include "core/wire/mix_models_trained.inc"
-};
-constexpr std::int16_t kMixedWeights[2][kMixWeights] = {
-#include "core/wire/mix_weights_trained.inc"
-};
-constexpr std::uint16_t kOccupancy[kOccupancyModelCount] = {
-#include "core/wire/point_occupancy_trained.inc"
-};
-constexpr std::uint16_t kCounts[kCountModelCount] = {
-#include "core/wire/point_counts_trained.inc"
-};
-constexpr ResidualModels kResiduals[2] = {
-#include "core/wire/residual_models_trained.inc"
-};
+using namespace trained;
 
 // Decisions seen by class (docs/wire-format.md, 5, 5.1 and 16).
 constexpr std::uint8_t kAges[16] = {0, 1, 2, 3, 4, 5, 6, 9, 12, 16, 22, 30, 40, 60, 80, 100};
