@@ -1,4 +1,5 @@
-// CPU milliseconds of every stage of both halves, frame by frame, beside the bits they reach:
+// CPU milliseconds of every stage of both halves, and of counting a cloud's points, frame by frame,
+// beside the bits they reach:
 //   stage_times INPUT... [codec options]
 // One thread; median of 9 runs after 2 warm-ups, or with --least N, for machines that do other
 // work, the least of N. The figures of docs/benchmarks.md come from here.
@@ -77,13 +78,28 @@ struct Stages {
 
 struct Row {
   std::array<double, 4> stage_ms{};
-  double unpack_ms = 0, regenerate_ms = 0;
+  double count_ms = 0, unpack_ms = 0, regenerate_ms = 0;
   std::size_t bytes = 0;
   std::uint32_t points = 0, surfaces = 0, slices = 0;
 
-  double encode_ms() const { return stage_ms[0] + stage_ms[1] + stage_ms[2] + stage_ms[3]; }
+  double encode_ms() const {
+    return count_ms + stage_ms[0] + stage_ms[1] + stage_ms[2] + stage_ms[3];
+  }
   double bits() const { return points > 0 ? static_cast<double>(bytes) * 8 / points : 0; }
 };
+
+// Depth of the frame, for the stages; turning points into counts is part of encoding a cloud.
+Result<Done> time_counting(const StreamSetup& setup, const SensorFrame& frame, const Timing& timing,
+                           std::vector<std::uint16_t>& depth, Row& row) {
+  std::vector<double> ms;
+  for (int run = 0; run < timing.runs + kWarmUps; ++run) {
+    const double begin = thread_cpu_ms();
+    if (auto done = to_depth(setup, frame, depth); !done.ok()) return done;
+    if (run >= kWarmUps) ms.push_back(thread_cpu_ms() - begin);
+  }
+  if (setup.cloud_input) row.count_ms = pick(timing, ms);
+  return Done{};
+}
 
 void time_encoding(Stages& stages, const std::vector<std::uint16_t>& depth, const Timing& timing,
                    Row& row) {
@@ -125,9 +141,10 @@ void time_decoding(const Stages& stages, Decoder& decoder, const Timing& timing,
 
 void print_row(const std::string& name, const Row& r) {
   fmt::print(
-      "{:<24.24} {:6.4f} {:5} {:4} | {:6.2f} {:6.2f} {:6.2f} {:6.2f} = {:6.2f} | {:6.2f} {:6.2f} = "
+      "{:<24.24} {:6.4f} {:5} {:4} | {:6.2f} {:6.2f} {:6.2f} {:6.2f} {:6.2f} = {:6.2f} | {:6.2f} "
+      "{:6.2f} = "
       "{:6.2f}\n",
-      name, r.bits(), r.slices, r.surfaces, r.stage_ms[0], r.stage_ms[1], r.stage_ms[2],
+      name, r.bits(), r.slices, r.surfaces, r.count_ms, r.stage_ms[0], r.stage_ms[1], r.stage_ms[2],
       r.stage_ms[3], r.encode_ms(), r.unpack_ms, r.regenerate_ms, r.unpack_ms + r.regenerate_ms);
 }
 
@@ -160,19 +177,23 @@ int run(const std::vector<std::string>& inputs, const CodecOptions& options, boo
   if (!codec.ok()) return fail(codec.error());
   if ((*decoder)->set_key(codec->key_packet(frame)) != Status::kOk)
     return fail({Status::kFieldRange, "key"});
-  fmt::print("{:<24} {:>6} {:>5} {:>4} | {:>6} {:>6} {:>6} {:>6} = {:>6} | {:>6} {:>6} = {:>6}\n",
-             "frame", "bit/pt", "slice", "surf", "filter", "segm.", "fit", "pack", "ms", "unpack",
-             "regen", "ms");
+  fmt::print(
+      "{:<24} {:>6} {:>5} {:>4} | {:>6} {:>6} {:>6} {:>6} {:>6} = {:>6} | {:>6} {:>6} = "
+      "{:>6}\n",
+      "frame", "bit/pt", "slice", "surf", "count", "filter", "segm.", "fit", "pack", "ms", "unpack",
+      "regen", "ms");
   Row mean;
   double bits = 0;
   int frames = 0;
   std::vector<std::uint16_t> depth;
   for (; more.ok() && *more; more = (*source)->next(frame)) {
-    if (const auto done = to_depth(*setup, frame, depth); !done.ok()) return fail(done.error());
     Row row;
+    if (const auto done = time_counting(*setup, frame, timing, depth, row); !done.ok())
+      return fail(done.error());
     time_encoding(stages, depth, timing, row);
     time_decoding(stages, **decoder, timing, row);
     print_row(frame.name.substr(frame.name.rfind('/') + 1), row);
+    mean.count_ms += row.count_ms;
     for (std::size_t i = 0; i < 4; ++i) mean.stage_ms[i] += row.stage_ms[i];
     mean.unpack_ms += row.unpack_ms;
     mean.regenerate_ms += row.regenerate_ms;

@@ -41,18 +41,20 @@ CloudFit measure_fit(const StreamConfig& config, const RayTable& rays, const Con
                      std::uint16_t least, std::uint16_t most) noexcept {
   const OpticalAxes axes(config);
   const double unit = static_cast<double>(config.camera.unit_pm) * 1e-12;
+  const BoundCurve curve = contract.bound_curve();
   CloudFit fit;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (depth[i] == 0 || depth[i] < least || depth[i] > most) continue;
-    const PixelAt pixel{static_cast<std::uint32_t>(i % rays.width),
-                        static_cast<std::uint32_t>(i / rays.width)};
-    const double off = std::sqrt(misfit_square_m2(axes, rays, points[i], pixel, depth[i] * unit));
+    const auto u = static_cast<std::uint32_t>(i % rays.width);
+    const auto v = static_cast<std::uint32_t>(i / rays.width);
+    const Ray ray{rays.x(u, v) * kRayUnit, rays.y(u, v) * kRayUnit};
+    const double off = std::sqrt(misfit_square_m2(axes, ray, points[i], depth[i] * unit));
     fit.worst_m = std::max(fit.worst_m, off);
     if (contract.kind == ToleranceKind::kLossless) continue;
     const double at = axes.depth(points[i]);
-    const double bound = contract.bound_m(at);
+    const double bound = curve.at(at);
     const double none = std::numeric_limits<double>::infinity();
-    const double lateral = std::sqrt(misfit_square_m2(axes, rays, points[i], pixel, at));
+    const double lateral = std::sqrt(misfit_square_m2(axes, ray, points[i], at));
     fit.worst_share = std::max(fit.worst_share, bound > 0 ? off / bound : none);
     fit.lateral_share = std::max(fit.lateral_share, bound > 0 ? lateral / bound : none);
   }

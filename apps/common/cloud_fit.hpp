@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/lanes.hpp"
 #include "core/base/status.hpp"
 #include "core/cloud/sensor_frame.hpp"
 #include "core/model/stream_config.hpp"
@@ -25,24 +26,35 @@ inline bool is_depth_reading(const Point3f& p) noexcept {
 /// From a cloud's own axes to the optical ones of its camera, and back.
 class OpticalAxes {
  public:
+  /// Coordinates [m] of one point, or of a vector of points.
+  template <class Real>
+  struct Point {
+    Real x, y, z;
+  };
+
   explicit OpticalAxes(const StreamConfig& config);
 
-  /// Depth along the optical axis [m].
-  double depth(const Point3f& p) const noexcept {
-    if (identity_) return p.z;
-    return m_[0][2] * (p.x - t_[0]) + m_[1][2] * (p.y - t_[1]) + m_[2][2] * (p.z - t_[2]);
+  /// Depth of a point along the optical axis [m]; of one, or of a vector of points.
+  template <class Real>
+  Real depth(Real x, Real y, Real z) const noexcept {
+    if (identity_) return z;
+    return m_[0][2] * (x - t_[0]) + m_[1][2] * (y - t_[1]) + m_[2][2] * (z - t_[2]);
   }
+  double depth(const Point3f& p) const noexcept { return depth<double>(p.x, p.y, p.z); }
   /// The point at `depth` on the ray (x, y, 1), in the cloud's axes [m], as the decoder has it.
-  Point3f point(double x, double y, double depth) const noexcept {
-    const double px = x * depth, py = flip_y_ * y * depth;
-    if (identity_)
-      return {static_cast<float>(px), static_cast<float>(py), static_cast<float>(depth)};
-    return {static_cast<float>(m_[0][0] * px + m_[0][1] * py + m_[0][2] * depth + t_[0]),
-            static_cast<float>(m_[1][0] * px + m_[1][1] * py + m_[1][2] * depth + t_[1]),
-            static_cast<float>(m_[2][0] * px + m_[2][1] * py + m_[2][2] * depth + t_[2])};
+  template <class Real>
+  Point<Real> point(Real x, Real y, Real depth) const noexcept {
+    const Real px = x * depth, py = flip_y_ * y * depth;
+    if (identity_) return {as_float(px), as_float(py), as_float(depth)};
+    return {as_float(m_[0][0] * px + m_[0][1] * py + m_[0][2] * depth + t_[0]),
+            as_float(m_[1][0] * px + m_[1][1] * py + m_[1][2] * depth + t_[1]),
+            as_float(m_[2][0] * px + m_[2][1] * py + m_[2][2] * depth + t_[2])};
   }
 
  private:
+  static double as_float(double value) noexcept { return static_cast<float>(value); }
+  static Double2 as_float(Double2 value) noexcept { return as_float2(value); }
+
   bool identity_;
   double m_[3][3];
   double t_[3];
@@ -58,26 +70,51 @@ struct CameraRays {
 /// Builds the rays of a camera; kBadConfig when its distortion cannot be undone.
 Result<std::shared_ptr<const CameraRays>> camera_rays(const CameraModel& camera);
 
+/// A bound as a polynomial of the depth: of one length, or one that grows as sigma does.
+struct BoundCurve {
+  double length_m = 0;
+  double per_square = 0;  ///< [1/m]
+
+  /// At the depth of one reading, or of a vector of them [m].
+  template <class Real>
+  Real at(Real depth_m) const noexcept {
+    return length_m + per_square * depth_m * depth_m;
+  }
+  BoundCurve times(double share) const noexcept { return {length_m * share, per_square * share}; }
+};
+
 /// The error contract as asked for, before anything is taken off for a cloud's own misfit.
 struct Contract {
   ToleranceKind kind = ToleranceKind::kLossless;
   double value = 0;  ///< kMetres [m]; kSigma, kSurfaces: multiples of sigma
   NoiseModel noise;
 
-  /// The bound of a reading at a depth [m]; 0 when lossless.
-  double bound_m(double depth_m) const noexcept {
+  /// The bound of a reading; 0 when lossless.
+  BoundCurve bound_curve() const noexcept {
     switch (kind) {
       case ToleranceKind::kMetres:
-        return value;
+        return {value, 0};
       case ToleranceKind::kSigma:
       case ToleranceKind::kSurfaces:
-        return value * noise.sigma_m(depth_m);
+        if (noise.kind == NoiseModel::Kind::kStereo) return {0, value * noise.s()};
+        return {value * noise.sigma_m(0), 0};
       case ToleranceKind::kLossless:
         break;
     }
-    return 0;
+    return {};
   }
+  /// The same at a depth [m].
+  double bound_m(double depth_m) const noexcept { return bound_curve().at(depth_m); }
 };
+
+/// x and y of a pixel's ray (x, y, 1).
+struct Ray {
+  double x = 0, y = 0;
+};
+
+/// The largest distance of a lossless cloud's point from the one that its count gives back: three
+/// coordinates to the last bits of a float.
+constexpr double kExactResidual_m = 2e-6;
 
 /// How far points are from where their pixel's ray and their count put them.
 struct CloudFit {
@@ -86,17 +123,10 @@ struct CloudFit {
   double lateral_share = 0;  ///< the same for the distance from the ray alone
 };
 
-/// A pixel's column and row.
-struct PixelAt {
-  std::uint32_t u = 0, v = 0;
-};
-
-/// Squared distance of a pixel's point from the one that lies on its ray at `depth` [m^2].
-inline double misfit_square_m2(const OpticalAxes& axes, const RayTable& rays, const Point3f& point,
-                               PixelAt at, double depth) noexcept {
-  constexpr double kRayUnit = 1.0 / 134217728.0;  // 2^-27
-  const Point3f made =
-      axes.point(rays.x(at.u, at.v) * kRayUnit, rays.y(at.u, at.v) * kRayUnit, depth);
+/// Squared distance of a point from the one that lies on its pixel's ray at `depth` [m^2].
+inline double misfit_square_m2(const OpticalAxes& axes, const Ray& ray, const Point3f& point,
+                               double depth) noexcept {
+  const auto made = axes.point(ray.x, ray.y, depth);
   const double x = double{point.x} - made.x, y = double{point.y} - made.y;
   const double z = double{point.z} - made.z;
   return x * x + y * y + z * z;

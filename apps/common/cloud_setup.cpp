@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/common/cloud_counts.hpp"
 #include "apps/common/points_setup.hpp"
 #include "apps/common/stream_settle.hpp"
 #include "core/io/cloud_builder.hpp"
@@ -14,13 +15,12 @@
 namespace planecast {
 namespace {
 
-constexpr double kExactResidual = 2e-6;  // [m] x, y and z of a lossless grid cloud
-constexpr double kMostLateral = 0.25;    // of a bound: rays further off are no camera
-constexpr double kMostTaken = 0.5;       // of a bound: beyond, raw floats are the better choice
-constexpr double kLeastTaken = 0.005;    // of a bound: room for later frames of the same camera
-constexpr double kRoom = 1.25;           // over the first frame's misfit
-constexpr double kMetresSteps = 64;      // counts in a bound of metres
-constexpr double kSigmaSteps = 16;       // counts in the smallest bound of sigmas
+constexpr double kMostLateral = 0.25;  // of a bound: rays further off are no camera
+constexpr double kMostTaken = 0.5;     // of a bound: beyond, raw floats are the better choice
+constexpr double kLeastTaken = 0.005;  // of a bound: room for later frames of the same camera
+constexpr double kRoom = 1.25;         // over the first frame's misfit
+constexpr double kMetresSteps = 64;    // counts in a bound of metres
+constexpr double kSigmaSteps = 16;     // counts in the smallest bound of sigmas
 
 struct Extent {
   double nearest = 0, farthest = 0;  // optical depth [m]
@@ -126,63 +126,6 @@ double chosen_unit(const CodecOptions& options, const StreamSetup& setup, const 
   return std::ceil(unit * 1e6) * 1e-6;
 }
 
-// A count that the filter's range gate will refuse, for a reading outside its limits; 0: inside, or
-// no count is refused.
-std::uint16_t gated_count(const StageOptions& stages, std::int32_t count) {
-  if (count < stages.range_min) return stages.range_min > 1 ? 1 : 0;
-  if (count > stages.range_max) return stages.range_max < 65535 ? 65535 : 0;
-  return 0;
-}
-
-// The nearest whole number; of what lies far beyond all counts, one beyond them. std::round is a
-// call a point.
-std::int32_t nearest_count(double steps) {
-  return static_cast<std::int32_t>(std::clamp(steps, -1.0, 1e6) + 0.5);
-}
-
-Error off_the_stream(const SensorFrame& frame, std::size_t i) {
-  return {Status::kBoundExceeded,
-          fmt::format("{}: point {} (column {}, row {}) does not lie on the depth grid and camera "
-                      "of the stream's first frame; encode it as a stream of its own",
-                      frame.name, i, i % frame.cloud.width, i / frame.cloud.width)};
-}
-
-// The counts of a cloud. With `measured`, each point must be as near to its count's own point as
-// the setup allows; without, it need only have a count.
-Result<Done> count_points(const StreamSetup& setup, const SensorFrame& frame, bool measured,
-                          std::vector<std::uint16_t>& depth) {
-  const StreamConfig& config = setup.encoder.stream;
-  const OpticalAxes axes(config);
-  const double unit = static_cast<double>(config.camera.unit_pm) * 1e-12;
-  const double counts_per_metre = 1 / unit;
-  const bool lossless = config.tolerance == ToleranceKind::kLossless;
-  const Contract contract = setup.contract;
-  const double share = setup.allowed_share;
-  const RayTable rays = setup.rays->table;
-  const StageOptions stages = setup.encoder.stages;
-  const ZGridTable* const grid = setup.grid.get();
-  depth.assign(frame.cloud.points.size(), 0);
-  std::size_t i = 0;
-  for (std::uint32_t v = 0; v < rays.height; ++v) {
-    for (std::uint32_t u = 0; u < rays.width; ++u, ++i) {
-      const Point3f p = frame.cloud.points[i];
-      if (!is_depth_reading(p)) continue;
-      const double at = axes.depth(p);
-      const std::int32_t near = nearest_count(at * counts_per_metre);
-      depth[i] = gated_count(stages, near);
-      if (depth[i] != 0) continue;
-      const std::int32_t count = grid != nullptr ? grid->count(p.z) : near;
-      if (count < 1 || count > 65535) return off_the_stream(frame, i);
-      depth[i] = static_cast<std::uint16_t>(count);
-      if (!measured) continue;
-      const double allowed = lossless ? kExactResidual : share * contract.bound_m(at);
-      if (misfit_square_m2(axes, rays, p, {u, v}, count * unit) > allowed * allowed)
-        return off_the_stream(frame, i);
-    }
-  }
-  return Done{};
-}
-
 // Camera, grid, range, lattice and noise of a cloud with rays; false: it cannot be counted.
 Result<bool> settle_grid(const CodecOptions& options, const SourceSensor& sensor,
                          const SensorFrame& first, Intrinsics intrinsics, StreamSetup& setup) {
@@ -206,7 +149,7 @@ Result<bool> settle_grid(const CodecOptions& options, const SourceSensor& sensor
   setup.rays = std::move(*rays);
   settle_range(options, setup);
   std::vector<std::uint16_t> depth;
-  if (!count_points(setup, first, false, depth).ok()) return false;
+  if (!count_cloud(setup, first, Proof::kNone, depth).ok()) return false;
   if (!grid) return true;
   settle_lattice(depth, setup);
   settle_noise(options, sensor, setup);
@@ -218,12 +161,12 @@ Result<bool> settle_grid(const CodecOptions& options, const SourceSensor& sensor
 std::string settle_share(const SensorFrame& first, StreamSetup& setup) {
   StreamConfig& config = setup.encoder.stream;
   std::vector<std::uint16_t> depth;
-  (void)count_points(setup, first, false, depth);
+  (void)count_cloud(setup, first, Proof::kNone, depth);
   const StageOptions& stages = setup.encoder.stages;
   const CloudFit fit = measure_fit(config, setup.rays->table, setup.contract, first.cloud.points,
                                    depth, stages.range_min, stages.range_max);
   if (config.tolerance == ToleranceKind::kLossless) {
-    if (setup.grid != nullptr && fit.worst_m <= kExactResidual) return {};
+    if (setup.grid != nullptr && fit.worst_m <= kExactResidual_m) return {};
     return first.name + ": its coordinates do not follow from a depth grid and a camera";
   }
   if (fit.lateral_share > kMostLateral) {
@@ -283,11 +226,6 @@ Result<Done> setup_cloud(const CodecOptions& options, const SourceSensor& sensor
                                       first.name, extent.origins));
   }
   return Done{};
-}
-
-Result<Done> cloud_counts(const StreamSetup& setup, const SensorFrame& frame,
-                          std::vector<std::uint16_t>& depth) {
-  return count_points(setup, frame, true, depth);
 }
 
 }  // namespace planecast

@@ -15,7 +15,6 @@
 namespace planecast {
 namespace {
 
-constexpr double kRayUnit = 1.0 / 134217728.0;  // 2^-27
 constexpr double kExactSideways = 2e-6;         // [m] x and y of a lossless cloud (DESIGN 4)
 constexpr double kNothing = 2e-6;               // [m] see Worst::take
 

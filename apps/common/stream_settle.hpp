@@ -33,10 +33,6 @@ void settle_noise(const CodecOptions& options, const SourceSensor& sensor, Strea
 /// The range limits in counts of the settled camera.
 void settle_range(const CodecOptions& options, StreamSetup& setup);
 
-/// A cloud of the stream's size as counts; see to_depth() (cloud_setup.cpp).
-Result<Done> cloud_counts(const StreamSetup& setup, const SensorFrame& frame,
-                          std::vector<std::uint16_t>& depth);
-
 /// Settles a stream of organised clouds (cloud_setup.cpp).
 Result<Done> setup_cloud(const CodecOptions& options, const SourceSensor& sensor,
                          const SensorFrame& first, StreamSetup& setup);

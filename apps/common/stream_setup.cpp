@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "apps/common/cloud_counts.hpp"
 #include "apps/common/points_setup.hpp"
 #include "apps/common/stream_settle.hpp"
 
@@ -134,7 +135,7 @@ Result<Done> to_depth(const StreamSetup& setup, const SensorFrame& frame,
   const std::uint32_t height = cloud ? frame.cloud.height : frame.depth.height;
   if (width != camera.width || height != camera.height)
     return other_size(frame.name, width, height, camera);
-  if (cloud) return cloud_counts(setup, frame, depth);
+  if (cloud) return count_cloud(setup, frame, Proof::kMisfit, depth);
   depth = frame.depth.depth;
   return Done{};
 }

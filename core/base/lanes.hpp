@@ -4,10 +4,14 @@
 
 #include <cstdint>
 #include <cstring>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 namespace planecast {
 
 using Float4 = float __attribute__((vector_size(16)));
+using Double2 = double __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Count4 = std::uint16_t __attribute__((vector_size(8)));
 using Count8 = std::uint16_t __attribute__((vector_size(16)));
@@ -31,6 +35,54 @@ inline Int4 load4(const std::int32_t* from) noexcept {
   Int4 out;
   std::memcpy(&out, from, sizeof out);
   return out;
+}
+
+/// The first and the last two of four, in double.
+inline Double2 first2(Float4 a) noexcept {
+#ifdef __SSE2__
+  return _mm_cvtps_pd(a);
+#else
+  return Double2{a[0], a[1]};
+#endif
+}
+inline Double2 last2(Float4 a) noexcept {
+  return first2(__builtin_shufflevector(a, a, 2, 3, 2, 3));
+}
+inline Double2 first2(Int4 a) noexcept {
+#ifdef __SSE2__
+  return _mm_cvtepi32_pd(reinterpret_cast<__m128i>(a));
+#else
+  return Double2{static_cast<double>(a[0]), static_cast<double>(a[1])};
+#endif
+}
+inline Double2 last2(Int4 a) noexcept {
+  return first2(__builtin_shufflevector(a, a, 2, 3, 2, 3));
+}
+
+/// Each cut to float and back.
+inline Double2 as_float2(Double2 a) noexcept {
+#ifdef __SSE2__
+  return _mm_cvtps_pd(_mm_cvtpd_ps(a));
+#else
+  return Double2{static_cast<float>(a[0]), static_cast<float>(a[1])};
+#endif
+}
+
+/// Four numbers cut to whole ones; each must be one of 32 bits.
+inline Int4 whole4(Double2 first, Double2 last) noexcept {
+#ifdef __SSE2__
+  return __builtin_shufflevector(reinterpret_cast<Int4>(_mm_cvttpd_epi32(first)),
+                                 reinterpret_cast<Int4>(_mm_cvttpd_epi32(last)), 0, 1, 4, 5);
+#else
+  return Int4{static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(first[1]),
+              static_cast<std::int32_t>(last[0]), static_cast<std::int32_t>(last[1])};
+#endif
+}
+
+/// The mask of those that are greater than 0.
+inline Int4 positive4(Double2 first, Double2 last) noexcept {
+  return __builtin_shufflevector(reinterpret_cast<Int4>(first > 0),
+                                 reinterpret_cast<Int4>(last > 0), 0, 2, 4, 6);
 }
 
 /// Four depth counts as floats.

@@ -9,7 +9,6 @@ namespace planecast {
 namespace {
 
 constexpr std::uint32_t kBands = 8;
-constexpr double kRayUnit = 1.0 / 134217728.0;  // 2^-27
 const float kHole = std::bit_cast<float>(std::uint32_t{0x7fc00000});
 
 // p' = R p + t of the cloud's axes, as a matrix computed once a frame.

@@ -11,6 +11,8 @@
 
 namespace planecast {
 
+constexpr double kRayUnit = 1.0 / 134217728.0;  ///< of a ray's coordinate: 2^-27
+
 /// Rays of one camera; points into storage owned by the caller. Values within +-kMaxRay.
 /// separable (no distortion): x_q27 has width entries, y_q27 height entries;
 /// otherwise both have width * height entries, row-major.

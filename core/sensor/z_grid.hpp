@@ -53,6 +53,9 @@ class ZGridTable {
     return nearest != 0 && z_[nearest] == z ? nearest : std::uint16_t{0};
   }
 
+  /// The float of a count [m], 1..65535; of 0, zero.
+  float z(std::int32_t count) const noexcept { return z_[static_cast<std::size_t>(count)]; }
+
  private:
   double counts_per_metre_;
   std::vector<float> z_;  ///< of each count [m]
