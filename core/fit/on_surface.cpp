@@ -20,7 +20,7 @@ struct LeastSecond {
 };
 
 LeastSecond least_second(const FitTables& tables) noexcept {
-  if (tables.config->drop_off_surface) return {10, 20};
+  if (tables.config->drop_off_surface) return {10, 14};
   return {};
 }
 

@@ -351,4 +351,32 @@ void RegionRefiner::join(std::span<RegionFit> fits) noexcept {
   for (std::uint8_t& label : map_.labels) label = into[label];
 }
 
+void RegionRefiner::join_same(std::span<RegionFit> fits) noexcept {
+  const Planes planes = sum_planes(fits);
+  std::array<std::uint8_t, kMaxSurfaces + 1> into{};
+  for (std::size_t k = 0; k < into.size(); ++k) into[k] = static_cast<std::uint8_t>(k);
+  const auto squares = [](const JoinPlane& plane, const FloatSurface& surface) {
+    return plane.sums.mean_square(surface) * plane.sums.n;
+  };
+  for (int b = 1; b <= map_.regions; ++b) {
+    const JoinPlane& small = planes[b];
+    if (small.readings == 0) continue;
+    const double own = squares(small, fits[b - 1].surface);
+    double least = kJoinConstant + kJoinShare * small.readings;
+    for (int a = 1; a <= map_.regions; ++a) {
+      const bool larger =
+          planes[a].readings > small.readings || (planes[a].readings == small.readings && a < b);
+      if (!larger) continue;
+      const double more = squares(small, fits[a - 1].surface) - own;
+      if (more >= least) continue;
+      least = more;
+      into[b] = static_cast<std::uint8_t>(a);
+    }
+    if (into[b] != b) fits[b - 1].valid = false;
+  }
+  for (std::uint8_t& label : map_.labels) {
+    while (into[label] != label) label = into[label];
+  }
+}
+
 }  // namespace planecast

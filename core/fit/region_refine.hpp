@@ -27,6 +27,11 @@ class RegionRefiner {
   const RegionMap& process(const FitTables& tables, std::span<const std::uint16_t> depth,
                            const RegionMap& coarse, std::span<RegionFit> fits) noexcept;
 
+  /// Joins planes of which the smaller one's readings lie on the larger one's surface nearly as
+  /// well as on its own, once `fits` (of the last process()) were changed: planes that were turned
+  /// alike often are one. The larger one's surface stays. O(cells + regions^2).
+  void join_same(std::span<RegionFit> fits) noexcept;
+
  private:
   /// Different labels other than 0.
   struct LabelSet {

@@ -38,6 +38,7 @@ Status SurfaceFitter::fit(const FitTables& tables, std::span<const std::uint16_t
   if (contract) {
     refined_ = refiner_.process(tables, depth, regions, fits_);
     (void)align_planes(refined_, fits_);
+    refiner_.join_same(fits_);
   }
   const RegionMap& final = contract ? refined_ : regions;
   const std::span<const RegionFit> fits =

@@ -127,5 +127,36 @@ TEST(RegionRefiner, JoinsPartsOfOneWallAndLeavesACornerAlone) {
   EXPECT_EQ(parts(corner, depth), 2U);
 }
 
+TEST(RegionRefiner, JoinsPlanesThatWereTurnedIntoOneAndNoOthers) {
+  FitBench bench(fit_config(320, 240, ToleranceKind::kSurfaces));
+  // The left third stands 14 mm before the rest, not twice the noise there.
+  auto depth = wall_with(bench.rays, 1, [](auto, auto) { return false; });
+  for (std::size_t i = 0; i < depth.size(); ++i)
+    depth[i] = static_cast<std::uint16_t>(depth[i] - (i % 320 < 104 ? 14 : 0));
+  ASSERT_EQ(bench.segmenter.process(bench.config, bench.rays, depth, bench.regions), Status::kOk);
+  for (std::size_t i = 0; i < bench.regions.labels.size(); ++i)
+    bench.regions.labels[i] = i % bench.regions.cells_wide < 13 ? 1 : 2;
+  bench.regions.regions = 2;
+  std::vector<RegionFit> fits(kMaxSurfaces);
+  fit_regions(bench.regions, fits);
+  Arena arena = std::move(*Arena::map(4U << 20U));
+  RegionRefiner refiner;
+  refiner.layout(arena, 320, 240);
+  const RegionMap map = refiner.process(bench.tables(), depth, bench.regions, fits);
+  const std::uint8_t small = label_at(map, 4, 4), large = label_at(map, 316, 4);
+  ASSERT_NE(small, large);
+
+  refiner.join_same(fits);
+  EXPECT_EQ(label_at(map, 4, 4), small) << "twice the noise apart";
+  EXPECT_TRUE(fits[small - 1U].valid && fits[large - 1U].valid);
+
+  fits[small - 1U].surface = fits[large - 1U].surface;
+  refiner.join_same(fits);
+  EXPECT_EQ(label_at(map, 4, 4), large);
+  EXPECT_EQ(label_at(map, 316, 4), large);
+  EXPECT_FALSE(fits[small - 1U].valid);
+  EXPECT_TRUE(fits[large - 1U].valid);
+}
+
 }  // namespace
 }  // namespace planecast

@@ -27,6 +27,20 @@ struct RoomQuality {
   /// normal: what noise leaves to any codec that fits each plane for itself.
   double attainable = 0;
 
+  void add(const RoomQuality& other) {
+    bytes += other.bytes;
+    points_in += other.points_in;
+    points_out += other.points_out;
+    truth += other.truth;
+    found += other.found;
+    matched += other.matched;
+    coefficients += other.coefficients;
+    within += other.within;
+    surfaces += other.surfaces;
+    frames += other.frames;
+    attainable += other.attainable;
+  }
+
   double ratio_percent() const { return 100 * (1 - bytes / (12 * points_in)); }
   double out_share() const { return points_out / points_in; }
   double precision() const { return matched / found; }

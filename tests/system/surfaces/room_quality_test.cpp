@@ -1,6 +1,7 @@
-// Surfaces found in the simulator's room against the truth, at the figures the product states. The
-// sensor, the scene and its noise are fixed; these seeds and frames were not looked at while the
-// thresholds of segmentation were chosen (those were 1 to 8 and 101 to 132).
+// Surfaces found in the simulator's room against the truth, at the figures the product states, over
+// 192 frames of 96 rooms' light and noise: one range of sixteen seeds alone strays by a hundredth.
+// The sensor, the scene and its noise are fixed; these seeds and frames were not looked at while
+// the thresholds of segmentation were chosen (those were 1 to 8 and 101 to 132).
 #include "tests/system/surfaces/room_quality.hpp"
 
 #include <gtest/gtest.h>
@@ -13,49 +14,55 @@ namespace {
 
 using namespace test;
 
-constexpr int kSeeds = 16, kFrames = 2;
+constexpr std::uint64_t kFirstSeeds[] = {11001, 12001, 13001, 14001, 15001, 16001};
+constexpr std::uint64_t kSeeds = 16;
+constexpr int kFrames = 2;
 
-RoomQuality quality(const char* preset, std::uint64_t first_seed) {
-  RoomQuality sum;
-  SimConfig sim = sim_config(*find_preset(preset));
-  sim.dropout = 0.005;
-  for (int i = 0; i < kSeeds; ++i) {
-    sim.seed = first_seed + static_cast<std::uint64_t>(i);
-    score_room(sim, sim.seed * 37 % 1200, 211, kFrames, 0, sum);
-  }
+void print(const char* preset, const char* seeds, const RoomQuality& sum) {
   std::printf(
-      "%s, seeds from %d: ratio %.3f %%, points out %.4f, precision %.3f, recall %.3f, of %.0f "
-      "planes; least squares with the truth's labels finds %.3f; coefficients within 3 sigma %.4f, "
-      "%.1f surfaces a frame\n",
-      preset, static_cast<int>(first_seed), sum.ratio_percent(), sum.out_share(), sum.precision(),
-      sum.recall(), sum.truth, sum.ceiling(), sum.within_share(), sum.surfaces / sum.frames);
-  return sum;
+      "%s, seeds %s: ratio %.4f %%, points out %.4f, precision %.4f, recall %.4f, of %.0f planes; "
+      "least squares with the truth's labels finds %.3f; coefficients within 3 sigma %.4f, %.1f "
+      "surfaces a frame\n",
+      preset, seeds, sum.ratio_percent(), sum.out_share(), sum.precision(), sum.recall(), sum.truth,
+      sum.ceiling(), sum.within_share(), sum.surfaces / sum.frames);
 }
 
-class RoomQualityOf : public ::testing::TestWithParam<std::uint64_t> {};
+RoomQuality quality(const char* preset) {
+  RoomQuality all;
+  SimConfig sim = sim_config(*find_preset(preset));
+  sim.dropout = 0.005;
+  for (const std::uint64_t first : kFirstSeeds) {
+    RoomQuality sum;
+    for (sim.seed = first; sim.seed < first + kSeeds; ++sim.seed)
+      score_room(sim, sim.seed * 37 % 1200, 211, kFrames, 0, sum);
+    print(preset, ("from " + std::to_string(first)).c_str(), sum);
+    all.add(sum);
+  }
+  print(preset, "all", all);
+  return all;
+}
 
-TEST_P(RoomQualityOf, PlanesOfATimeOfFlightCameraAreFound) {
+TEST(RoomQuality, PlanesOfATimeOfFlightCameraAreFound) {
   if (kSanitized) GTEST_SKIP() << "figures do not depend on a sanitizer";
-  const RoomQuality sum = quality("azure-nfov", GetParam());
-  EXPECT_GE(sum.ratio_percent(), 99.84);
+  const RoomQuality sum = quality("azure-nfov");
+  EXPECT_GE(sum.ratio_percent(), 99.85);
   EXPECT_GE(sum.out_share(), 0.95);
   EXPECT_GE(sum.precision(), 0.95);
   EXPECT_GE(sum.recall(), 0.95);
   EXPECT_GE(sum.within_share(), 0.99);
 }
 
-TEST_P(RoomQualityOf, PlanesOfAStereoCameraAreFound) {
+TEST(RoomQuality, PlanesOfAStereoCameraAreFound) {
   if (kSanitized) GTEST_SKIP() << "figures do not depend on a sanitizer";
-  const RoomQuality sum = quality("realsense-d435", GetParam());
-  // The noise of a far wall spans what stands before it.
-  EXPECT_GE(sum.ratio_percent(), 99.80);
+  const RoomQuality sum = quality("realsense-d435");
+  // The noise of a far wall spans what stands before it: even with the truth's labels least squares
+  // finds nine planes of ten.
+  EXPECT_GE(sum.ratio_percent(), 99.82);
   EXPECT_GE(sum.out_share(), 0.95);
-  EXPECT_GE(sum.precision(), 0.65);
-  EXPECT_GE(sum.recall(), 0.58);
+  EXPECT_GE(sum.precision(), 0.75);
+  EXPECT_GE(sum.recall(), 0.70);
   EXPECT_GE(sum.within_share(), 0.98);
 }
-
-INSTANTIATE_TEST_SUITE_P(Seeds, RoomQualityOf, ::testing::Values(2001, 3001));
 
 }  // namespace
 }  // namespace planecast
