@@ -213,16 +213,18 @@ Candidates fine_candidates(const RegionMap& regions, std::span<const std::uint8_
   return out;
 }
 
-// Gives a block that has one surface the one of a neighbour that most of its readings off its own
-// lie on: narrow things go on where no cell of theirs is pure.
+// Gives a block the surface of a neighbour that most of its readings off its own lie on: narrow
+// things go on where no cell of theirs is pure. A block without any surface takes one that holds
+// half of its readings.
 void take_from_neighbours(const FitTables& tables, std::span<const std::uint16_t> depth,
                           std::span<const Surface> surfaces, std::uint32_t bx, std::uint32_t by,
                           std::span<BlockLabel> labels, std::span<std::uint64_t> off) noexcept {
-  const int least = least_second(tables).taken;
   const std::uint32_t wide = blocks_wide(tables), high = blocks_high(tables);
   const std::size_t block = std::size_t{by} * wide + bx;
   BlockLabel& label = labels[block];
-  if (label.first == 0 || label.second != 0 || std::popcount(off[block]) < least) return;
+  int least = least_second(tables).taken;
+  if (label.first == 0) least = std::max(least, std::popcount(off[block]) / 2);
+  if (label.second != 0 || std::popcount(off[block]) < least) return;
   const BlockPixels b = block_pixels(tables, depth, bx, by);
   std::uint64_t tried = std::uint64_t{1} | (std::uint64_t{1} << label.first), best_on = 0;
   std::uint8_t best = 0;
@@ -241,7 +243,7 @@ void take_from_neighbours(const FitTables& tables, std::span<const std::uint16_t
     }
   }
   if (best == 0) return;
-  label.second = best;
+  (label.first == 0 ? label.first : label.second) = best;
   off[block] &= ~best_on;
 }
 

@@ -14,9 +14,9 @@ namespace planecast {
 /// Labels blocks of a stream of ToleranceKind::kSurfaces: first = the surface that most readings
 /// lie on, when that is at least a quarter of them; second = the one that explains most of the
 /// rest, when those are at least six, or ten where the rest is dropped. `regions`: over fine cells;
-/// surfaces of cells in and around a block are tried, then those of its neighbours. `off`, one for
-/// each block: its readings on neither, one bit each. O(pixels), about 1.5 ms for 640 x 480. Sizes
-/// were checked by the caller.
+/// surfaces of cells in and around a block are tried, then those of its neighbours, also where it
+/// has none and half of its readings lie on one. `off`, one for each block: its readings on
+/// neither, one bit each. O(pixels), about 1.5 ms for 640 x 480. Sizes were checked by the caller.
 void label_on_surface(const FitTables& tables, std::span<const std::uint16_t> depth,
                       const RegionMap& regions, std::span<const std::uint8_t> surface_of,
                       std::span<const Surface> surfaces, std::span<BlockLabel> labels,

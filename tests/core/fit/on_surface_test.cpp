@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include "core/base/random.hpp"
 #include "tests/core/fit/fit_bench.hpp"
@@ -76,6 +78,30 @@ TEST(DropOffSurface, RefusesSpansOfAnotherSize) {
   two.labels.push_back({});
   two.depth.pop_back();
   EXPECT_EQ(two.drop(true), Status::kWrongSize);
+}
+
+// A row of four blocks whose first alone has cells of a region: how far its surface goes.
+TEST(LabelOnSurface, ASurfaceGoesOnThroughBlocksWithoutOneWhereItHoldsHalfOfTheReadings) {
+  for (const std::uint32_t held : {31U, 32U}) {
+    FitBench bench(test::fit_config(32, 8, ToleranceKind::kSurfaces));
+    std::vector<std::uint16_t> depth(32 * 8, 2000);
+    for (std::uint32_t i = held; i < 64; ++i) depth[i / 8 * 32 + 24 + i % 8] = 3000;
+    std::vector<std::uint8_t> cells(8 * 2);
+    cells[0] = cells[1] = cells[8] = cells[9] = 1;
+    const RegionMap regions{8, 2, {}, cells, 1};
+    const std::array<std::uint8_t, 2> surface_of{0, 1};
+    std::vector<Surface> surfaces(1);
+    surfaces[0].c = static_cast<std::int32_t>(0x80000000U / 2000);
+    std::vector<std::uint64_t> off(4);
+    label_on_surface(bench.tables(), depth, regions, surface_of, surfaces, bench.labels, off);
+    for (int block = 0; block < 3; ++block) {
+      EXPECT_EQ(bench.labels[block].first, 1) << block;
+      EXPECT_EQ(off[block], 0U) << block;
+    }
+    EXPECT_EQ(bench.labels[3].first, held == 32 ? 1 : 0);
+    EXPECT_EQ(bench.labels[3].second, 0);
+    EXPECT_EQ(std::popcount(off[3]), held == 32 ? 32 : 64);
+  }
 }
 
 // What is left stands within K sigma of one of its block's planes, by the distance along the ray.

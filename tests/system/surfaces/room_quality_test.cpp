@@ -1,7 +1,7 @@
 // Surfaces found in the simulator's room against the truth, at the figures the product states, over
 // 192 frames of 96 rooms' light and noise: one range of sixteen seeds alone strays by a hundredth.
 // The sensor, the scene and its noise are fixed; these seeds and frames were not looked at while
-// the thresholds of segmentation were chosen (those were 1 to 8 and 101 to 132).
+// the thresholds of segmentation were chosen (those were 1 to 8, 101 to 132 and 1001 to 6016).
 #include "tests/system/surfaces/room_quality.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-constexpr std::uint64_t kFirstSeeds[] = {11001, 12001, 13001, 14001, 15001, 16001};
+constexpr std::uint64_t kFirstSeeds[] = {21001, 22001, 23001, 24001, 25001, 26001};
 constexpr std::uint64_t kSeeds = 16;
 constexpr int kFrames = 2;
 
