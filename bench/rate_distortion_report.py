@@ -71,10 +71,10 @@ def summary(frames):
     kinect = [rows for name, rows in frames.items()
               if name.startswith("kinect_") and own(rows, efforts[0], setting="lossless")]
     if len(kinect) > 1:
-        means = [sum(own(rows, e, setting="lossless")["bits_per_point"] for rows in kinect
-                     if own(rows, e, setting="lossless")) / len(kinect) for e in efforts]
+        lossless = [[own(rows, e, setting="lossless") for rows in kinect] for e in efforts]
         lines.append([f"mean of {len(kinect)} Kinect v1 frames", "lossless", "-", "-"]
-                     + [f"**{mean:.2f}**" for mean in means])
+                     + [f"**{sum(r['bits_per_point'] for r in rows) / len(rows):.2f}**"
+                        if all(rows) else "-" for rows in lossless])
     return table(head, lines)
 
 
