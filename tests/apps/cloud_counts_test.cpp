@@ -15,14 +15,14 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-constexpr std::uint32_t kHeight = 5;
+constexpr std::uint32_t kCloudHeight = 5;
 
 // A stream of clouds with a bound of some millimetres or sigmas, its camera in turned axes or not.
 StreamSetup random_setup(Pcg32& random, std::uint32_t width, bool lossless, bool turned) {
   StreamSetup setup;
   setup.cloud_input = true;
   StreamConfig& config = setup.encoder.stream;
-  config.camera = test::random_camera(random, width, kHeight, 1.5, true);
+  config.camera = test::random_camera(random, width, kCloudHeight, 1.5, true);
   config.camera.unit_pm = 500'000'000;
   config.tolerance = lossless ? ToleranceKind::kLossless : ToleranceKind::kMetres;
   if (turned) {
@@ -53,7 +53,7 @@ struct Scene {
   std::vector<std::uint16_t> counts;
 };
 
-double allowed_m(const StreamSetup& setup, double depth) {
+double allowance_m(const StreamSetup& setup, double depth) {
   if (setup.encoder.stream.tolerance == ToleranceKind::kLossless) return kExactResidual_m;
   return setup.allowed_share * setup.contract.bound_m(depth);
 }
@@ -69,7 +69,7 @@ Point3f point_at(const StreamSetup& setup, std::uint32_t u, std::uint32_t v, std
   for (double& t : to) t = test::between(random, -1, 1);
   if (setup.grid != nullptr) to[2] = 0;
   for (const double t : to) length += t * t;
-  const double step = off * allowed_m(setup, count * unit) / std::sqrt(length);
+  const double step = off * allowance_m(setup, count * unit) / std::sqrt(length);
   Point3f out{static_cast<float>(p.x + to[0] * step), static_cast<float>(p.y + to[1] * step),
               static_cast<float>(p.z + to[2] * step)};
   if (setup.grid != nullptr) out.z = setup.grid->z(count);
@@ -113,7 +113,7 @@ TEST(CloudCounts, EveryPointGetsTheCountItLiesAtAndHolesNone) {
     ASSERT_EQ(depth.size(), scene.counts.size());
     for (std::size_t i = 0; i < depth.size(); ++i) {
       const double apart_m = distance(depth[i], scene.counts[i]) * 0.0005;
-      const double moved_m = 0.1 * allowed_m(setup, scene.counts[i] * 0.0005);
+      const double moved_m = 0.1 * allowance_m(setup, scene.counts[i] * 0.0005);
       const bool exact = setup.grid != nullptr || scene.counts[i] == 0;
       ASSERT_LE(apart_m, exact ? 0 : moved_m + 0.0005) << seed << ", " << i;
     }
@@ -129,7 +129,7 @@ TEST(CloudCounts, OnePointOffTheRaysIsNamedWhereverItLies) {
     const Scene scene = random_scene(setup, random);
     for (std::uint32_t u = 0; u < width; ++u) {
       SensorFrame frame = scene.frame;
-      const std::uint32_t v = random.below(kHeight);
+      const std::uint32_t v = random.below(kCloudHeight);
       Point3f& point = frame.cloud.points[v * width + u];
       point = point_at(setup, (u + 2) % width, v, 6000, 0, random);
       std::vector<std::uint16_t> depth;
