@@ -73,13 +73,14 @@ Result<std::shared_ptr<const CameraRays>> camera_rays(const CameraModel& camera)
 /// A bound as a polynomial of the depth: of one length, or one that grows as sigma does.
 struct BoundCurve {
   double length_m = 0;
-  double per_square = 0;  ///< [1/m]
+  double per_square = 0;  ///< added for each square metre of depth [1/m]
 
   /// At the depth of one reading, or of a vector of them [m].
   template <class Real>
   Real at(Real depth_m) const noexcept {
     return length_m + per_square * depth_m * depth_m;
   }
+  /// The curve of that share of each bound.
   BoundCurve times(double share) const noexcept { return {length_m * share, per_square * share}; }
 };
 
@@ -89,15 +90,15 @@ struct Contract {
   double value = 0;  ///< kMetres [m]; kSigma, kSurfaces: multiples of sigma
   NoiseModel noise;
 
-  /// The bound of a reading; 0 when lossless.
+  /// The bound of a reading [m] over its depth [m]; 0 when lossless.
   BoundCurve bound_curve() const noexcept {
     switch (kind) {
       case ToleranceKind::kMetres:
         return {value, 0};
       case ToleranceKind::kSigma:
       case ToleranceKind::kSurfaces:
-        if (noise.kind == NoiseModel::Kind::kStereo) return {0, value * noise.s()};
-        return {value * noise.sigma_m(0), 0};
+        // A sigma is one length, or grows as the square of the depth.
+        return {value * noise.sigma_m(0), value * (noise.sigma_m(1) - noise.sigma_m(0))};
       case ToleranceKind::kLossless:
         break;
     }

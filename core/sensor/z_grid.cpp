@@ -19,8 +19,12 @@ float print_and_read(float value) noexcept {
   return static_cast<float>(static_cast<double>(whole) / scale);
 }
 
-double counts_per_metre(const ZGrid& grid) noexcept {
-  return 1e12 / static_cast<double>(grid.unit_pm);
+// The count whose depth is nearest to z [m]; 0: none of them.
+std::uint16_t nearest_count(const ZGrid& grid, float z) noexcept {
+  const double counts_per_metre = 1e12 / static_cast<double>(grid.unit_pm);
+  const double count = static_cast<double>(z) * counts_per_metre + 0.5;
+  return count >= 1.0 && count < 65536.0 ? static_cast<std::uint16_t>(static_cast<int>(count))
+                                         : std::uint16_t{0};
 }
 
 // All three coordinates are finite.
@@ -48,11 +52,11 @@ float grid_z(const ZGrid& grid, std::uint16_t count) noexcept {
 }
 
 std::uint16_t grid_count(const ZGrid& grid, float z) noexcept {
-  const std::uint16_t nearest = detail::nearest_count(counts_per_metre(grid), z);
+  const std::uint16_t nearest = nearest_count(grid, z);
   return nearest != 0 && grid_z(grid, nearest) == z ? nearest : std::uint16_t{0};
 }
 
-ZGridTable::ZGridTable(const ZGrid& grid) : counts_per_metre_(counts_per_metre(grid)), z_(65536) {
+ZGridTable::ZGridTable(const ZGrid& grid) : z_(65536) {
   for (std::uint32_t count = 1; count < 65536; ++count)
     z_[count] = grid_z(grid, static_cast<std::uint16_t>(count));
 }

@@ -30,34 +30,16 @@ float grid_z(const ZGrid& grid, std::uint16_t count) noexcept;
 /// The count whose grid_z is exactly z, or 0 when there is none (also for NaN, 0, negative z).
 std::uint16_t grid_count(const ZGrid& grid, float z) noexcept;
 
-namespace detail {
-
-/// The count whose depth is nearest to z [m]; 0: none of them.
-inline std::uint16_t nearest_count(double counts_per_metre, float z) noexcept {
-  const double count = static_cast<double>(z) * counts_per_metre + 0.5;
-  return count >= 1.0 && count < 65536.0 ? static_cast<std::uint16_t>(static_cast<int>(count))
-                                         : std::uint16_t{0};
-}
-
-}  // namespace detail
-
 /// A grid's floats, all at hand to count many readings by.
 class ZGridTable {
  public:
   /// 256 kB, and as many grid_z() as there are counts.
   explicit ZGridTable(const ZGrid& grid);
 
-  /// As grid_count(). O(1), and any thread's.
-  std::uint16_t count(float z) const noexcept {
-    const std::uint16_t nearest = detail::nearest_count(counts_per_metre_, z);
-    return nearest != 0 && z_[nearest] == z ? nearest : std::uint16_t{0};
-  }
-
-  /// The float of a count [m], 1..65535; of 0, zero.
+  /// grid_z() of a count [m], 1..65535; of 0, zero. O(1), and any thread's.
   float z(std::int32_t count) const noexcept { return z_[static_cast<std::size_t>(count)]; }
 
  private:
-  double counts_per_metre_;
   std::vector<float> z_;  ///< of each count [m]
 };
 
